@@ -1,0 +1,73 @@
+#pragma once
+
+// The architecture of a network as a value that travels with its weights.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace powderkeg {
+
+// One block of the tower. All convolutions have batch norm and no bias.
+struct BlockDescription {
+  enum class Kind : std::uint8_t {
+    // 1x1 to `expanded`, depthwise 3x3 (stride 1 or 2), 1x1 to `channels`; activation after the
+    // first two; skip connection (sum, no activation) if stride is 1 and the channels stay.
+    kInvertedResidual = 0,
+    // 3x3, activation, 3x3, sum, activation (AlphaZero).
+    kResidual = 1,
+  };
+  Kind kind = Kind::kInvertedResidual;
+  int expanded = 0;  // channels inside; for kResidual equal to `channels`
+  int channels = 0;  // channels out
+  int stride = 1;    // 1, or 2: 11x11 -> 6x6
+
+  friend bool operator==(const BlockDescription&, const BlockDescription&) = default;
+};
+
+// Stem (3x3 convolution, batch norm, activation), blocks, then two heads:
+//   value:  1x1 -> value_channels, batch norm, activation, flatten, -> value_hidden, activation,
+//           -> 1, tanh
+//   policy: 1x1 -> policy_channels, batch norm, activation, flatten, -> 6 logits
+// Every activation is LeakyReLU(leaky_slope).
+struct NetworkDescription {
+  int planes = 23;  // must equal kPlaneCount of the program that uses it
+  int stem_channels = 0;
+  int stem_stride = 1;
+  std::vector<BlockDescription> blocks;
+  int value_channels = 1;
+  int value_hidden = 0;
+  int policy_channels = 0;
+  float leaky_slope = 0.2F;
+
+  friend bool operator==(const NetworkDescription&, const NetworkDescription&) = default;
+};
+
+// The network of the paper (344,425 parameters, 21.5 M multiply-adds).
+[[nodiscard]] NetworkDescription PaperNetwork();
+// A network for learning on CPUs.
+[[nodiscard]] NetworkDescription SmallNetwork();
+// By name: "paper" or "small". Throws Error otherwise.
+[[nodiscard]] NetworkDescription NetworkByName(std::string_view name);
+
+// Throws Error with the reason if no network can be built from it or it needs absurd resources (it
+// may come from a peer).
+void Validate(const NetworkDescription& description);
+
+// Side length of the board after the tower: 11, 6, 3 ...
+[[nodiscard]] int TowerBoardSize(const NetworkDescription& description);
+
+// Name and shape of every array of the network, batch norm statistics included, in a fixed order.
+// "stem.conv.weight" [out, in, 3, 3]; "stem.bn.weight|bias|running_mean|running_var" [out];
+// "blocks.<i>.conv<1..3>.weight" and ".bn<1..3>.*" (kResidual: 1..2); depthwise weights are
+// [channels, 1, 3, 3]; "value.conv|bn|fc1|fc2.*", "policy.conv|bn|fc.*" (fc: weight [out, in] and
+// bias [out]; the flattened order is channel, row, column).
+struct ArrayShape {
+  std::string name;
+  std::vector<std::int64_t> shape;
+};
+[[nodiscard]] std::vector<ArrayShape> ArraysOf(const NetworkDescription& description);
+
+}  // namespace powderkeg

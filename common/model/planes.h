@@ -1,0 +1,40 @@
+#pragma once
+
+// A position as input planes of the network.
+
+#include <span>
+
+#include "common/model/evaluator.h"
+#include "common/pommerman/game_settings.h"
+#include "common/pommerman/symmetry.h"
+
+namespace powderkeg {
+
+// Planes of 11x11, row-major. "self" is the viewer; the others follow it in the order
+// self + 1, self + 2, self + 3 (mod 4). Values lie in [-1, 1]; fog leaves every plane 0 in a cell.
+//
+//   0      rigid walls
+//   1      wood
+//   2..4   visible items: extra bomb, increase range, kick
+//   5      bombs: 1 - life / 9
+//   6      bombs: reach / 11, at most 1 (reach = blast strength - 1)
+//   7      moving bombs: left -1, right +1
+//   8      moving bombs: up +1, down -1
+//   9      flames: remaining steps / 3 (life + 1; the longest of several)
+//   10..13 living agents: self, self + 1, self + 2, self + 3
+//   constant over the board:
+//   14     own reach / 11, at most 1
+//   15     own bombs on the board / 5, at most 1
+//   16     own bomb capacity (ammo + own bombs on the board) / 5, at most 1
+//   17     own kick
+//   18..21 alive: self, self + 1, self + 2, self + 3
+//   22     step / 799, at most 1
+inline constexpr int kPlaneCount = 23;
+inline constexpr int kFirstConstantPlane = 14;
+inline constexpr int kPlanesSize = kPlaneCount * kCellCount;
+
+// Writes [plane][cell], 23 x 121 floats.
+void EncodePlanes(const GameSettings& settings, const Position& position,
+                  std::span<float, kPlanesSize> planes);
+
+}  // namespace powderkeg

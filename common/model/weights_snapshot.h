@@ -1,0 +1,63 @@
+#pragma once
+
+// Immutable weights of one version, and their form as bytes.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/model/evaluator.h"
+#include "common/model/network_description.h"
+
+namespace powderkeg {
+
+struct NamedArray {
+  std::string name;
+  std::vector<std::int64_t> shape;
+  std::vector<float> values;  // row-major
+};
+
+// Positions with the answers that the learner's network gives (fp32): whoever loads the weights
+// evaluates them too and refuses the weights if the answers differ by more than its tolerance.
+struct Canary {
+  std::vector<State> states;
+  std::vector<AgentId> viewers;
+  std::vector<Evaluation> evaluations;
+};
+
+// Immutable once made; share as shared_ptr<const WeightsSnapshot>.
+struct WeightsSnapshot {
+  std::uint32_t version = 0;
+  NetworkDescription description;
+  std::vector<NamedArray> arrays;  // in the order of ArraysOf(description)
+  Canary canary;
+
+  // Throws Error if missing.
+  [[nodiscard]] const NamedArray& Array(std::string_view name) const;
+};
+
+using Snapshot = std::shared_ptr<const WeightsSnapshot>;
+
+// Self-contained little-endian bytes (format: weights_snapshot.cc), the same in memory, on the
+// wire and in a .weights file.
+[[nodiscard]] std::vector<std::uint8_t> Serialize(const WeightsSnapshot& snapshot);
+// Throws Error that says what is wrong: truncated, bad magic, shapes that do not fit the
+// description, a value that is not finite. Safe on untrusted bytes.
+[[nodiscard]] WeightsSnapshot Deserialize(std::span<const std::uint8_t> bytes);
+
+// Files appear whole or not at all (temporary, fsync, rename). Both throw Error.
+void SaveSnapshot(const WeightsSnapshot& snapshot, const std::string& path);
+[[nodiscard]] Snapshot LoadSnapshot(const std::string& path);
+
+// Largest difference in policy probability and in value over the canary positions.
+struct CanaryDifference {
+  float policy = 0;
+  float value = 0;
+};
+[[nodiscard]] CanaryDifference CompareCanary(const WeightsSnapshot& snapshot, Evaluator& evaluator);
+
+}  // namespace powderkeg

@@ -1,0 +1,57 @@
+#pragma once
+
+// What one agent can know of the position, from its observations alone.
+
+#include <array>
+#include <cstdint>
+
+#include "common/pommerman/game_settings.h"
+#include "common/pommerman/observation.h"
+#include "common/pommerman/state.h"
+
+namespace powderkeg {
+
+struct BeliefSettings {
+  // How the opponents' ammo, blast strength and kick are filled in.
+  enum class Statistics : std::uint8_t {
+    kTracked,    // from the bombs laid, the items picked up and the kicks seen so far
+    kWorstCase,  // blast strength at its cap, 10 bombs, kick
+  };
+  Statistics statistics = Statistics::kTracked;
+  bool remember_cells = true;  // under fog: keep walls, items, bombs and agents last seen
+
+  friend bool operator==(const BeliefSettings&, const BeliefSettings&) = default;
+};
+
+// Turns the stream of one agent's observations into the State its search steps from: hidden items
+// are unknown (none), bombs have the owner that can have laid them, opponents' statistics are
+// inferred. A value; give it every observation of a game in order, the first one included.
+//
+// Fog: a cell never seen counts as passage for Step. A remembered bomb out of sight goes on
+// ticking, rolling and exploding as Step would have it; an agent out of sight stays on the cell
+// where it was seen last (on its start corner if never), and is believed alive as long as the
+// observation says so.
+class Belief {
+ public:
+  Belief(const GameSettings& settings, const BeliefSettings& belief_settings);
+
+  void Observe(const Observation& observation);
+
+  // The believed position. Requires one Observe.
+  [[nodiscard]] const State& state() const { return state_; }
+  [[nodiscard]] AgentId self() const { return self_; }
+  // Cells in view in the last observation.
+  [[nodiscard]] BitBoard visible() const { return visible_; }
+  // Cells seen at least once in this game.
+  [[nodiscard]] BitBoard ever_seen() const { return ever_seen_; }
+
+ private:
+  GameSettings settings_;
+  BeliefSettings belief_settings_;
+  State state_;
+  AgentId self_ = 0;
+  BitBoard visible_;
+  BitBoard ever_seen_;
+};
+
+}  // namespace powderkeg

@@ -1,0 +1,60 @@
+#include "common/pommerman/state.h"
+
+#include <algorithm>
+
+namespace powderkeg {
+
+void State::SetItem(Cell cell, Item item) {
+  RemoveItems(BitBoard::Of(cell));
+  if ((static_cast<int>(item) & 1) != 0) item_low.Add(cell);
+  if ((static_cast<int>(item) & 2) != 0) item_high.Add(cell);
+}
+
+void State::AddBomb(const Bomb& bomb) {
+  CHECK(bomb_count < kMaxBombs && !bomb_cells.Has(bomb.cell));
+  bombs[bomb_count++] = bomb;
+  bomb_cells.Add(bomb.cell);
+}
+
+const Bomb* State::BombAt(Cell cell) const {
+  if (!bomb_cells.Has(cell)) return nullptr;
+  const auto all = Bombs();
+  const auto found = std::ranges::find(all, cell, &Bomb::cell);
+  return found == all.end() ? nullptr : &*found;
+}
+
+BitBoard State::AgentCells() const {
+  BitBoard cells;
+  for (const AgentState& agent : agents) {
+    if (agent.alive) cells.Add(agent.cell);
+  }
+  return cells;
+}
+
+int State::AliveCount() const {
+  return static_cast<int>(std::ranges::count(agents, true, &AgentState::alive));
+}
+
+BitBoard State::Walkable() const { return ~(rigid | wood | bomb_cells | Flames() | AgentCells()); }
+
+CellValue State::ValueAt(Cell cell) const {
+  for (int id = 0; id < kAgentCount; ++id) {
+    if (agents[static_cast<std::size_t>(id)].alive &&
+        agents[static_cast<std::size_t>(id)].cell == cell) {
+      return static_cast<CellValue>(static_cast<int>(CellValue::kAgent0) + id);
+    }
+  }
+  if (Flames().Has(cell)) return CellValue::kFlames;
+  if (bomb_cells.Has(cell)) return CellValue::kBomb;
+  if (rigid.Has(cell)) return CellValue::kRigid;
+  if (wood.Has(cell)) return CellValue::kWood;
+  switch (ItemAt(cell)) {
+    case Item::kExtraBomb: return CellValue::kExtraBomb;
+    case Item::kIncreaseRange: return CellValue::kIncreaseRange;
+    case Item::kKick: return CellValue::kKick;
+    case Item::kNone: break;
+  }
+  return CellValue::kPassage;
+}
+
+}  // namespace powderkeg
