@@ -1,0 +1,78 @@
+#pragma once
+
+// Monte-Carlo tree search over a game whose other players are modelled (Weil et al. 2023).
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "actors/search/opponent_models.h"
+#include "actors/search/search_settings.h"
+#include "actors/search/tree.h"
+#include "common/base/rng.h"
+#include "common/model/evaluator.h"
+#include "common/pommerman/game_settings.h"
+#include "common/pommerman/state.h"
+
+namespace powderkeg {
+
+// What a search found for its root. Arrays are indexed by Action.
+struct SearchResult {
+  // False where only one action is legal: nothing was searched, `best` is that action, the rest is
+  // empty. Such a move is no Decision to learn from.
+  bool searched = false;
+  Action best = Action::kStop;                       // to be played
+  std::array<std::uint32_t, kActionCount> visits{};  // simulations through each action
+  std::array<float, kActionCount> values{};          // mean value, own view; 0 without a visit
+  std::array<float, kActionCount> priors{};          // evaluator's policy, illegal ones 0
+  float value = 0;                                   // of the root: mean over simulations, [-1, 1]
+  float evaluator_value = 0;                         // the evaluator's own answer for the root
+  int simulations = 0;                               // made for this move
+  int reused_visits = 0;                             // kept from the previous move's tree
+  double mean_depth = 0;                             // environment steps from root to leaf
+  std::array<Action, kAgentCount> expected_actions{};  // the models' at the root; kStop for self
+};
+
+// One search after another for one agent; a state machine that a loop feeds:
+//
+//   search.Start(root, models, rng);
+//   while (search.Gather(batch)) { evaluate batch; search.Scatter(batch); batch.Clear(); }
+//   play search.Result().best
+//
+// A batch may hold the positions of many searches. With the uniform evaluator the result depends on
+// nothing but the arguments of Start (and, with tree reuse, of the Starts before). Never blocks,
+// allocates only in Start. One thread. Movable, not copyable between Gather and Scatter.
+class Search {
+ public:
+  Search(const SearchSettings& settings, const GameSettings& game);
+
+  // Begins a move of models.self(), which must be alive in `root` (a belief's state). With tree
+  // reuse, continues the previous tree if it foresaw this position.
+  void Start(const State& root, const OpponentModels& models, Rng rng);
+
+  // Runs simulations until one needs an evaluation; adds what it needs to the batch. False when the
+  // search is finished: then nothing was added. Requires that earlier answers were scattered.
+  bool Gather(EvaluationBatch& batch);
+
+  // Takes the answers to what the last Gather added.
+  void Scatter(const EvaluationBatch& batch);
+
+  // May be asked before the end as well (a clock ran out), once the root is evaluated.
+  [[nodiscard]] SearchResult Result() const;
+
+  [[nodiscard]] const SearchSettings& settings() const { return settings_; }
+
+ private:
+  // A question in the current batch.
+  struct Pending {
+    NodeIndex node;
+    std::size_t slot;
+  };
+
+  SearchSettings settings_;
+  GameSettings game_;  // as the search knows it: without max_steps if step_limit is off
+  Tree tree_;
+  std::vector<Pending> pending_;
+};
+
+}  // namespace powderkeg

@@ -1,0 +1,116 @@
+#pragma once
+
+// How a search thinks: every knob by name, for config files and agent specifications.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace powderkeg {
+
+// Whose moves branch inside the tree.
+enum class TreeKind : std::uint8_t {
+  kOnePlayer,  // the searching agent's
+  kTwoPlayer,  // the searching agent's, then one living enemy's, in every environment step
+};
+
+// Which enemy moves in a two-player tree; chosen anew in every environment step.
+enum class SimulatedOpponent : std::uint8_t {
+  kClosest,        // by Manhattan distance, ties by lowest id
+  kMostDangerous,  // whose bomb, laid now, would reach the searching agent; among several, the
+                   // closest; without one, the closest
+};
+
+// What stands in for an agent that is not searched.
+enum class OpponentModel : std::uint8_t {
+  kIdle,
+  kRandom,
+  kHarmless,
+  kSimpleUnbiased,
+  kOfficialSimple,
+  kRawNetwork,  // argmax of the network's policy for that agent over its legal actions
+};
+
+// What the models of rule-based opponents remember from the real game.
+enum class ModelMemory : std::uint8_t {
+  kReset,         // nothing: empty at every move (as published)
+  kSynchronized,  // the positions where the opponent was seen
+  kInferred,      // those, and its hidden orders as its actions so far reveal them
+};
+
+// A value. The defaults are this project's best; PaperSettings() are the published ones.
+struct SearchSettings {
+  int simulations = 250;  // per move, besides the evaluation of the root
+  TreeKind tree = TreeKind::kOnePlayer;
+  SimulatedOpponent simulated_opponent = SimulatedOpponent::kClosest;
+  // An enemy farther away (Manhattan) than this does not branch; with none in reach the step is
+  // one-player.
+  int simulated_opponent_reach = 20;
+  // Models of the agents self + 1, self + 2, self + 3 (mod 4).
+  std::array<OpponentModel, 3> opponents = {OpponentModel::kSimpleUnbiased,
+                                            OpponentModel::kSimpleUnbiased,
+                                            OpponentModel::kSimpleUnbiased};
+  ModelMemory memory = ModelMemory::kSynchronized;
+
+  // Selection: Q + c(N) P sqrt(N) / (1 + n), c(N) = c_puct_init + ln((N + base + 1) / base).
+  double c_puct_init = 2.5;
+  double c_puct_base = 19652;
+  double unvisited_value = -1;      // Q of an action not yet tried, its mover's view
+  bool renormalise_priors = false;  // after dropping illegal actions
+  bool action_filter = true;        // only LegalActions; otherwise all six
+
+  // Root.
+  double noise_alpha = 0.2;      // Dirichlet
+  double noise_weight = 0.25;    // share of noise in the root's priors; 0: none
+  double exploratory_start = 0;  // probability that a simulation starts with a random action
+  double temperature = 0;        // of the move's choice by visits; 0: the most visited
+  double q_weight = 0;           // share of the values in the choice by visits
+  double q_veto = 0;  // prefer the action of the best value if it leads by more than this; 0: never
+
+  // Ends, values from the searching agent's view.
+  double draw_value = 0;            // of a tie
+  bool step_limit = true;           // whether the search knows that a game ends after max_steps
+  bool mate_value_on_death = true;  // team: after own death the network judges for the mate;
+                                    // otherwise that is worth -0.5
+  bool terminal_solver = false;     // wins and losses are proven up the tree
+
+  bool tree_reuse = true;  // keep the subtree of what really happened
+  // Leaves per Gather. More than one fills batches from one tree at some cost in strength.
+  int leaves_per_batch = 1;
+
+  friend bool operator==(const SearchSettings&, const SearchSettings&) = default;
+};
+
+// As published (paper.md): models reset at each move, step limit unknown, no reuse, exploratory
+// starts.
+[[nodiscard]] SearchSettings PaperSettings();
+
+// Sets one option from text. Throws Error for an unknown name (lists the known ones) and for a bad
+// value (says the value and what is allowed). The option "preset" (default | paper) replaces every
+// setting: it must come first.
+void SetOption(SearchSettings& settings, std::string_view name, std::string_view value);
+
+// The defaults changed by the options in order, except that a preset is applied first. Throws
+// Error.
+[[nodiscard]] SearchSettings SearchSettingsFrom(
+    std::span<const std::pair<std::string, std::string>> options);
+
+// The same from "simulations=250,opponents=simple_unbiased"; empty text gives the defaults.
+[[nodiscard]] SearchSettings ParseSearchSettings(std::string_view text);
+
+struct SearchOption {
+  std::string name;
+  std::string value;  // in the given settings
+  std::string help;   // one line with the allowed values
+};
+// Every option but "preset".
+[[nodiscard]] std::vector<SearchOption> ListOptions(const SearchSettings& settings);
+
+// The options that differ from the defaults, as ParseSearchSettings reads them.
+[[nodiscard]] std::string ToText(const SearchSettings& settings);
+
+}  // namespace powderkeg
