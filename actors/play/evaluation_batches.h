@@ -11,7 +11,7 @@
 
 namespace powderkeg {
 
-// Who answers an agent's questions. A null evaluator suits agents that never ask.
+// Who answers an agent's questions.
 struct Model {
   std::shared_ptr<Evaluator> evaluator;
   std::uint32_t weights_version = 0;  // of its weights; 0 for the uniform evaluator

@@ -62,7 +62,7 @@ class Game {
   void SetModel(const Model& model);
 
   [[nodiscard]] const GamePlan& plan() const { return plan_; }
-  // The position now: after a step, before the collapse that may follow it.
+  // The position that is decided on, or at the end of the game.
   [[nodiscard]] const State& state() const { return state_; }
   // Complete once Gather returned false. `evaluator` and `weights_version` are those of the first
   // searching seat at the start of the game.
@@ -83,15 +83,16 @@ class Game {
   [[nodiscard]] bool GatherMoves(EvaluationBatches& batches);
   void FinishMove(AgentId seat);
   void PlayStep();
-  [[nodiscard]] bool Over() const;
-  void Count(AgentId seat, const MoveStatistics& move);
+  void RecordMove(AgentId seat);
+  void CountPredictions(const MoveStatistics& move, SeatStatistics& statistics) const;
+  [[nodiscard]] bool EndsByDeath() const;
 
   GamePlan plan_;
   State state_;
   std::array<RuleBasedSeat, kAgentCount> rule_based_;
   std::array<Phase, kAgentCount> phases_{};
   JointAction actions_{};
-  std::array<MoveStatistics, kAgentCount> moves_{};
+  bool over_ = true;
   GameRecord record_;
   std::array<SeatStatistics, kAgentCount> statistics_{};
 };

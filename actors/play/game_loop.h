@@ -57,14 +57,12 @@ class GameLoop {
 
  private:
   struct Slot {
-    enum class Phase : std::uint8_t { kFree, kPlaying, kAsking };
-    Phase phase = Phase::kFree;
+    bool playing = false;
     Game game;
   };
 
-  void StartGame(int slot);
-  void Gather(int slot);
-  void Finish(int slot);
+  bool StartGame(int slot);
+  void FinishGame(int slot);
 
   GameHost& host_;
   GameSettings settings_;

@@ -1,0 +1,163 @@
+#include "actors/play/game.h"
+
+#include <cstddef>
+#include <optional>
+
+#include "common/base/check.h"
+#include "common/pommerman/observation.h"
+
+namespace powderkeg {
+
+SeatStatistics& SeatStatistics::operator+=(const SeatStatistics& other) {
+  moves += other.moves;
+  for (int action = 0; action < kActionCount; ++action) actions[action] += other.actions[action];
+  searches += other.searches;
+  simulations += other.simulations;
+  depth_sum += other.depth_sum;
+  predictions += other.predictions;
+  predictions_right += other.predictions_right;
+  return *this;
+}
+
+void Game::Start(const GamePlan& plan) {
+  plan_ = plan;
+  const GameSetup& setup = plan_.setup;
+  state_ = GenerateStart(setup.settings, setup.start, BoardRng(setup));
+  record_ = GameRecord();
+  record_.ticket = plan_.ticket;
+  record_.setup = setup;
+  statistics_ = {};
+  for (AgentId seat = kAgentCount - 1; seat >= 0; --seat) {
+    const Player& player = plan_.players[seat];
+    if (!setup.seats[seat].searches) {
+      rule_based_[seat] = RuleBasedSeat(setup, seat);
+      continue;
+    }
+    CHECK(player.agent != nullptr && player.model.evaluator != nullptr, "seat ", seat);
+    player.agent->StartGame(setup.settings, seat, SearchRng(setup, seat));
+    record_.weights_version = player.model.weights_version;
+    record_.evaluator = player.model.evaluator->name();
+  }
+  over_ = false;
+  BeginStep();
+}
+
+bool Game::Gather(EvaluationBatches& batches) {
+  while (!over_) {
+    if (GatherMoves(batches)) return true;
+    PlayStep();
+  }
+  return false;
+}
+
+void Game::Scatter(EvaluationBatches& batches) {
+  for (AgentId seat = 0; seat < kAgentCount; ++seat) {
+    if (phases_[seat] != Phase::kAsking) continue;
+    const Player& player = plan_.players[seat];
+    player.agent->Scatter(batches.For(*player.model.evaluator));
+    phases_[seat] = Phase::kThinking;
+  }
+}
+
+void Game::SetModel(const Model& model) {
+  for (Player& player : plan_.players) {
+    if (player.agent != nullptr) player.model = model;
+  }
+}
+
+// Everybody looks at the position at once; rule-based seats decide at once too.
+void Game::BeginStep() {
+  for (AgentId seat = 0; seat < kAgentCount; ++seat) {
+    actions_[seat] = Action::kStop;
+    phases_[seat] = Phase::kDecided;
+    if (state_.agents[seat].alive) BeginMove(seat);
+  }
+}
+
+void Game::BeginMove(AgentId seat) {
+  if (plan_.setup.seats[seat].searches) {
+    plan_.players[seat].agent->Begin(Observe(plan_.setup.settings, state_, seat));
+    phases_[seat] = Phase::kThinking;
+  } else {
+    actions_[seat] = rule_based_[seat].Decide(plan_.setup.settings, state_);
+  }
+}
+
+bool Game::GatherMoves(EvaluationBatches& batches) {
+  bool asking = false;
+  for (AgentId seat = 0; seat < kAgentCount; ++seat) {
+    if (phases_[seat] != Phase::kThinking) continue;
+    const Player& player = plan_.players[seat];
+    if (player.agent->Gather(batches.For(*player.model.evaluator))) {
+      phases_[seat] = Phase::kAsking;
+      asking = true;
+    } else {
+      FinishMove(seat);
+    }
+  }
+  return asking;
+}
+
+void Game::FinishMove(AgentId seat) {
+  phases_[seat] = Phase::kDecided;
+  actions_[seat] = plan_.players[seat].agent->action();
+}
+
+void Game::PlayStep() {
+  for (AgentId seat = 0; seat < kAgentCount; ++seat) {
+    if (state_.agents[seat].alive) {
+      RecordMove(seat);
+    } else {
+      actions_[seat] = Action::kStop;  // it may have decided just before a collapse killed it
+    }
+  }
+  record_.actions.push_back(actions_);
+  const GameSettings& settings = plan_.setup.settings;
+  Step(settings, actions_, state_);
+  record_.outcome = OutcomeOf(settings, state_);
+  over_ = record_.outcome.done || EndsByDeath();
+  if (over_) return;
+  BeginStep();
+  Collapse(settings, state_);
+}
+
+void Game::RecordMove(AgentId seat) {
+  SeatStatistics& statistics = statistics_[seat];
+  ++statistics.moves;
+  ++statistics.actions[static_cast<std::size_t>(actions_[seat])];
+  if (!plan_.setup.seats[seat].searches) return;
+  const Player& player = plan_.players[seat];
+  if (std::optional<Decision> decision = player.agent->decision()) {
+    decision->step = state_.step;
+    decision->agent = static_cast<std::uint8_t>(seat);
+    decision->weights_version = player.model.weights_version;
+    record_.decisions.push_back(*decision);
+  }
+  const MoveStatistics move = player.agent->move_statistics();
+  if (move.simulations == 0) return;
+  ++statistics.searches;
+  statistics.simulations += move.simulations;
+  statistics.depth_sum += move.mean_depth;
+  CountPredictions(move, statistics);
+}
+
+void Game::CountPredictions(const MoveStatistics& move, SeatStatistics& statistics) const {
+  for (AgentId seat = 0; seat < kAgentCount; ++seat) {
+    if ((move.predicted_agents >> seat & 1) == 0) continue;
+    ++statistics.predictions;
+    if (move.prediction[seat] == actions_[seat]) ++statistics.predictions_right;
+  }
+}
+
+bool Game::EndsByDeath() const {
+  if (plan_.end != GamePlan::End::kLastSearchDeath) return false;
+  bool searched = false;
+  for (AgentId seat = 0; seat < kAgentCount; ++seat) {
+    if (!plan_.setup.seats[seat].searches) continue;
+    if (state_.agents[seat].alive) return false;
+    searched = true;
+  }
+  return searched;
+}
+
+}  // namespace powderkeg

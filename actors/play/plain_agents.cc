@@ -1,0 +1,57 @@
+#include "actors/play/plain_agents.h"
+
+#include <bit>
+
+#include "common/base/check.h"
+#include "common/pommerman/step.h"
+
+namespace powderkeg {
+
+void RawNetworkAgent::StartGame(const GameSettings& settings, AgentId /*self*/, Rng /*rng*/) {
+  belief_.emplace(settings, BeliefSettings());
+  decided_ = true;
+}
+
+void RawNetworkAgent::Begin(const Observation& observation) {
+  belief_->Observe(observation);
+  const ActionSet legal = LegalActions(belief_->state(), belief_->self());
+  decided_ = std::has_single_bit(legal);
+  if (decided_) action_ = static_cast<Action>(std::countr_zero(legal));
+}
+
+bool RawNetworkAgent::Gather(EvaluationBatch& batch) {
+  if (decided_) return false;
+  slot_ = batch.Add({&belief_->state(), belief_->self(), belief_->visible()});
+  return true;
+}
+
+void RawNetworkAgent::Scatter(const EvaluationBatch& batch) {
+  const ActionSet legal = LegalActions(belief_->state(), belief_->self());
+  action_ = BestAction(batch.evaluation(slot_).policy, legal);
+  decided_ = true;
+}
+
+void RuleBasedAgent::StartGame(const GameSettings& settings, AgentId /*self*/, Rng rng) {
+  settings_ = settings;
+  belief_.emplace(settings, BeliefSettings());
+  rng_ = rng;
+  traits_ = PolicyTraits::Draw(rng_);
+  memory_ = PolicyMemory();
+}
+
+void RuleBasedAgent::Begin(const Observation& observation) {
+  belief_->Observe(observation);
+  const PolicyView view{belief_->state(), settings_, belief_->self(), belief_->visible()};
+  action_ = Decide(kind_, view, traits_, memory_, rng_);
+}
+
+Action BestAction(const std::array<float, kActionCount>& policy, unsigned legal) {
+  CHECK(legal != 0);
+  int best = std::countr_zero(legal);
+  for (int action = best + 1; action < kActionCount; ++action) {
+    if ((legal >> action & 1) != 0 && policy[action] > policy[best]) best = action;
+  }
+  return static_cast<Action>(best);
+}
+
+}  // namespace powderkeg
