@@ -40,6 +40,10 @@ class BitBoard {
   [[nodiscard]] constexpr Cell First() const {
     return low_ != 0 ? std::countr_zero(low_) : 64 + std::countr_zero(high_);
   }
+  // The highest cell. Requires Any().
+  [[nodiscard]] constexpr Cell Last() const {
+    return high_ != 0 ? 127 - std::countl_zero(high_) : 63 - std::countl_zero(low_);
+  }
   // Removes and returns the lowest cell. Requires Any().
   constexpr Cell PopFirst() {
     const Cell cell = First();

@@ -16,6 +16,14 @@ void State::AddBomb(const Bomb& bomb) {
   bomb_cells.Add(bomb.cell);
 }
 
+void State::RemoveBombs(BitBoard cells) {
+  const auto removed =
+      std::ranges::remove_if(Bombs(), [cells](const Bomb& bomb) { return cells.Has(bomb.cell); });
+  std::ranges::fill(removed, Bomb{});
+  bomb_count = static_cast<std::uint8_t>(bomb_count - removed.size());
+  bomb_cells &= ~cells;
+}
+
 const Bomb* State::BombAt(Cell cell) const {
   if (!bomb_cells.Has(cell)) return nullptr;
   const auto all = Bombs();
@@ -39,8 +47,7 @@ BitBoard State::Walkable() const { return ~(rigid | wood | bomb_cells | Flames()
 
 CellValue State::ValueAt(Cell cell) const {
   for (int id = 0; id < kAgentCount; ++id) {
-    if (agents[static_cast<std::size_t>(id)].alive &&
-        agents[static_cast<std::size_t>(id)].cell == cell) {
+    if (agents[id].alive && agents[id].cell == cell) {
       return static_cast<CellValue>(static_cast<int>(CellValue::kAgent0) + id);
     }
   }

@@ -88,6 +88,8 @@ struct State {
   }
   // Appends at the end of the list. Requires bomb_count < kMaxBombs and no bomb on the cell.
   void AddBomb(const Bomb& bomb);
+  // Takes the bombs on these cells off the list; the others keep their order.
+  void RemoveBombs(BitBoard cells);
   // The bomb on the cell, or nullptr.
   [[nodiscard]] const Bomb* BombAt(Cell cell) const;
   // Cells of living agents.

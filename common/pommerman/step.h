@@ -27,6 +27,11 @@ struct Outcome {
 // ignored. Never ends a game by itself; stepping a finished game is allowed.
 void Step(const GameSettings& settings, const JointAction& actions, State& state);
 
+// As above in radio mode, with the words that every agent sends along; those of agents that were
+// dead before the step are ignored. Without words everybody is silent.
+void Step(const GameSettings& settings, const JointAction& actions,
+          const std::array<Message, kAgentCount>& messages, State& state);
+
 // Done, result and rewards after a step (rules, section 4).
 [[nodiscard]] Outcome OutcomeOf(const GameSettings& settings, const State& state);
 

@@ -64,6 +64,29 @@ inline constexpr std::array<Direction, 4> kDirections = {Direction::kUp, Directi
   return kNoCell;
 }
 
+namespace internal {
+inline constexpr auto kNeighbourOrSelf = [] {
+  std::array<std::array<std::uint8_t, kCellCount>, kActionCount> table{};
+  for (int direction = 0; direction < kActionCount; ++direction) {
+    for (Cell cell = 0; cell < kCellCount; ++cell) {
+      const bool moves = direction <= static_cast<int>(Direction::kRight);
+      const Cell next = moves ? Neighbour(cell, static_cast<Direction>(direction)) : cell;
+      table[direction][cell] = static_cast<std::uint8_t>(next == kNoCell ? cell : next);
+    }
+  }
+  return table;
+}();
+}  // namespace internal
+
+// As Neighbour, but `cell` itself beyond the edge. One look-up.
+[[nodiscard]] constexpr Cell NeighbourOrSelf(Cell cell, Direction direction) {
+  return internal::kNeighbourOrSelf[static_cast<int>(direction)][cell];
+}
+// The cell that an action aims at; stop, bomb and a move off the board aim at `cell` itself.
+[[nodiscard]] constexpr Cell TargetOf(Cell cell, Action action) {
+  return internal::kNeighbourOrSelf[static_cast<int>(action)][cell];
+}
+
 [[nodiscard]] constexpr int ManhattanDistance(Cell a, Cell b) {
   const int rows = RowOf(a) - RowOf(b);
   const int columns = ColumnOf(a) - ColumnOf(b);
