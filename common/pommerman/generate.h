@@ -27,7 +27,8 @@ struct StartSettings {
   friend bool operator==(const StartSettings&, const StartSettings&) = default;
 };
 
-// A start position; equal arguments give equal positions on every machine.
+// A start position; equal arguments give equal positions on every machine. Requires the board size
+// of the mode: 8 for one-against-one (agents 0 and 1 play, 2 and 3 are dead), else 11.
 [[nodiscard]] State GenerateStart(const GameSettings& settings, const StartSettings& start,
                                   Rng rng);
 
