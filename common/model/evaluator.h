@@ -25,6 +25,8 @@ struct Position {
 struct Evaluation {
   std::array<float, kActionCount> policy;  // probabilities of all six actions, legal or not; sum 1
   float value;                             // expected outcome, -1 (loss) to +1 (win)
+
+  friend bool operator==(const Evaluation&, const Evaluation&) = default;
 };
 
 // Questions of many searches that are answered together. Slots are numbered in order of Add until

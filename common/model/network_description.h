@@ -2,21 +2,24 @@
 
 // The architecture of a network as a value that travels with its weights.
 
-#include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace powderkeg {
 
+inline constexpr float kBatchNormEpsilon = 1e-5F;
+
 // One block of the tower. All convolutions have batch norm and no bias.
 struct BlockDescription {
   enum class Kind : std::uint8_t {
     // 1x1 to `expanded`, depthwise 3x3 (stride 1 or 2), 1x1 to `channels`; activation after the
-    // first two; skip connection (sum, no activation) if stride is 1 and the channels stay.
+    // first two; sum with the block's input if it has a skip connection; no activation.
     kInvertedResidual = 0,
-    // 3x3, activation, 3x3, sum, activation (AlphaZero).
+    // 3x3 (stride 1 or 2), activation, 3x3, sum if it has a skip connection, activation
+    // (AlphaZero).
     kResidual = 1,
   };
   Kind kind = Kind::kInvertedResidual;
@@ -31,7 +34,8 @@ struct BlockDescription {
 //   value:  1x1 -> value_channels, batch norm, activation, flatten, -> value_hidden, activation,
 //           -> 1, tanh
 //   policy: 1x1 -> policy_channels, batch norm, activation, flatten, -> 6 logits
-// Every activation is LeakyReLU(leaky_slope).
+// Every activation is LeakyReLU(leaky_slope); batch norm divides by sqrt(variance +
+// kBatchNormEpsilon). Convolutions of 3x3 pad the board with one ring of zeros.
 struct NetworkDescription {
   int planes = 23;  // must equal kPlaneCount of the program that uses it
   int stem_channels = 0;
@@ -59,6 +63,10 @@ void Validate(const NetworkDescription& description);
 // Side length of the board after the tower: 11, 6, 3 ...
 [[nodiscard]] int TowerBoardSize(const NetworkDescription& description);
 
+// Whether the block adds its input, of `inputs` channels, to its output: stride 1 and the channels
+// stay.
+[[nodiscard]] bool HasSkip(const BlockDescription& block, int inputs);
+
 // Name and shape of every array of the network, batch norm statistics included, in a fixed order.
 // "stem.conv.weight" [out, in, 3, 3]; "stem.bn.weight|bias|running_mean|running_var" [out];
 // "blocks.<i>.conv<1..3>.weight" and ".bn<1..3>.*" (kResidual: 1..2); depthwise weights are
@@ -69,5 +77,10 @@ struct ArrayShape {
   std::vector<std::int64_t> shape;
 };
 [[nodiscard]] std::vector<ArrayShape> ArraysOf(const NetworkDescription& description);
+
+// The product of the dimensions. Requires a shape from ArraysOf.
+[[nodiscard]] std::int64_t ElementCount(std::span<const std::int64_t> shape);
+// Trained values: every array but the running statistics.
+[[nodiscard]] std::int64_t ParameterCount(const NetworkDescription& description);
 
 }  // namespace powderkeg

@@ -28,12 +28,12 @@ namespace powderkeg {
 //   16     own bomb capacity (ammo + own bombs on the board) / 5, at most 1
 //   17     own kick
 //   18..21 alive: self, self + 1, self + 2, self + 3
-//   22     step / 799, at most 1
+//   22     step / (max_steps - 1), at most 1
 inline constexpr int kPlaneCount = 23;
 inline constexpr int kFirstConstantPlane = 14;
 inline constexpr int kPlanesSize = kPlaneCount * kCellCount;
 
-// Writes [plane][cell], 23 x 121 floats.
+// Writes [plane][cell], 23 x 121 floats. Of the settings only max_steps matters.
 void EncodePlanes(const GameSettings& settings, const Position& position,
                   std::span<float, kPlanesSize> planes);
 

@@ -2,7 +2,6 @@
 
 // Immutable weights of one version, and their form as bytes.
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -10,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/rng.h"
 #include "common/model/evaluator.h"
 #include "common/model/network_description.h"
 
@@ -19,14 +19,19 @@ struct NamedArray {
   std::string name;
   std::vector<std::int64_t> shape;
   std::vector<float> values;  // row-major
+
+  friend bool operator==(const NamedArray&, const NamedArray&) = default;
 };
 
 // Positions with the answers that the learner's network gives (fp32): whoever loads the weights
-// evaluates them too and refuses the weights if the answers differ by more than its tolerance.
+// evaluates them too and refuses the weights if the answers differ by more than its tolerance. All
+// three have the same size; evaluated with the default GameSettings and without fog.
 struct Canary {
   std::vector<State> states;
   std::vector<AgentId> viewers;
   std::vector<Evaluation> evaluations;
+
+  friend bool operator==(const Canary&, const Canary&) = default;
 };
 
 // Immutable once made; share as shared_ptr<const WeightsSnapshot>.
@@ -38,11 +43,21 @@ struct WeightsSnapshot {
 
   // Throws Error if missing.
   [[nodiscard]] const NamedArray& Array(std::string_view name) const;
+
+  friend bool operator==(const WeightsSnapshot&, const WeightsSnapshot&) = default;
 };
 
 using Snapshot = std::shared_ptr<const WeightsSnapshot>;
 
-// Self-contained little-endian bytes (format: weights_snapshot.cc), the same in memory, on the
+// Untrained weights, the same on every machine for equal arguments: Kaiming-uniform, with small
+// last layers (policy nearly uniform, value near 0). Version 0, no canary.
+[[nodiscard]] WeightsSnapshot InitialWeights(const NetworkDescription& description, Rng rng);
+
+// Throws Error unless the description is valid, the arrays are those of the description, every
+// value is finite and no variance is negative.
+void Validate(const WeightsSnapshot& snapshot);
+
+// Self-contained little-endian bytes (format: weights_format.cc), the same in memory, on the
 // wire and in a .weights file.
 [[nodiscard]] std::vector<std::uint8_t> Serialize(const WeightsSnapshot& snapshot);
 // Throws Error that says what is wrong: truncated, bad magic, shapes that do not fit the
@@ -53,11 +68,16 @@ using Snapshot = std::shared_ptr<const WeightsSnapshot>;
 void SaveSnapshot(const WeightsSnapshot& snapshot, const std::string& path);
 [[nodiscard]] Snapshot LoadSnapshot(const std::string& path);
 
+// Answers the questions of the canary with `evaluator`. Requires as many viewers as states.
+[[nodiscard]] Canary MakeCanary(std::vector<State> states, std::vector<AgentId> viewers,
+                                Evaluator& evaluator);
+
 // Largest difference in policy probability and in value over the canary positions.
 struct CanaryDifference {
   float policy = 0;
   float value = 0;
 };
+// Infinite where the evaluator's answer is not a number.
 [[nodiscard]] CanaryDifference CompareCanary(const WeightsSnapshot& snapshot, Evaluator& evaluator);
 
 }  // namespace powderkeg
