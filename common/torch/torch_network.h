@@ -1,0 +1,67 @@
+#pragma once
+
+// The network as a LibTorch module. Includes Torch: for common/torch and learner/train alone.
+
+#include <vector>
+
+#include "common/model/network_description.h"
+#include "common/torch/torch_headers.h"
+
+namespace powderkeg {
+
+struct NetworkOutput {
+  torch::Tensor policy_logits;  // [positions, 6]
+  torch::Tensor value;          // [positions], -1 to +1
+};
+
+// One block of the tower (see BlockDescription).
+class BlockImpl : public torch::nn::Module {
+ public:
+  BlockImpl(int inputs, const BlockDescription& description, double leaky_slope);
+  torch::Tensor forward(const torch::Tensor& input);
+
+ private:
+  void AddConvolution(int inputs, int outputs, int kernel, int stride, int groups);
+
+  BlockDescription description_;
+  bool skip_;
+  double leaky_slope_;
+  std::vector<torch::nn::Conv2d> convolutions_;
+  std::vector<torch::nn::BatchNorm2d> norms_;
+};
+TORCH_MODULE(Block);
+
+// The module of a description. Parameters and buffers have the names of ArraysOf (and batch norm's
+// num_batches_tracked besides). Weights are LibTorch's random ones until LoadWeights or
+// MakeNetwork (snapshot_conversion.h). Convolutions are fastest with `to(channels_last)`.
+class NetworkImpl : public torch::nn::Module {
+ public:
+  // Throws Error on an invalid description.
+  explicit NetworkImpl(const NetworkDescription& description);
+
+  // planes: [positions, 23, 11, 11].
+  NetworkOutput forward(const torch::Tensor& planes);
+
+  [[nodiscard]] const NetworkDescription& description() const { return description_; }
+
+ private:
+  // A convolution with its norm, and the linear layers of a head behind them.
+  struct Branch {
+    torch::nn::Conv2d convolution{nullptr};
+    torch::nn::BatchNorm2d norm{nullptr};
+  };
+  Branch RegisterBranch(torch::nn::Module& parent, int inputs, int outputs, int kernel, int stride);
+  torch::Tensor Run(Branch& branch, const torch::Tensor& input) const;
+
+  NetworkDescription description_;
+  Branch stem_;
+  std::vector<Block> blocks_;
+  Branch value_;
+  torch::nn::Linear value_hidden_{nullptr};
+  torch::nn::Linear value_output_{nullptr};
+  Branch policy_;
+  torch::nn::Linear policy_output_{nullptr};
+};
+TORCH_MODULE(Network);
+
+}  // namespace powderkeg
