@@ -30,7 +30,10 @@ struct SearchResult {
   int simulations = 0;                               // made for this move
   int reused_visits = 0;                             // kept from the previous move's tree
   double mean_depth = 0;                             // environment steps from root to leaf
-  std::array<Action, kAgentCount> expected_actions{};  // the models' at the root; kStop for self
+  // What the models do at the root; bit i of `expected_agents` says that entry i holds (living
+  // agents that act by model, once a simulation has stepped from the root).
+  JointAction expected_actions{};
+  std::uint8_t expected_agents = 0;
 };
 
 // One search after another for one agent; a state machine that a loop feeds:
@@ -63,16 +66,51 @@ class Search {
   [[nodiscard]] const SearchSettings& settings() const { return settings_; }
 
  private:
-  // A question in the current batch.
+  // A question in the current batch: what `viewer` thinks of a node.
   struct Pending {
     NodeIndex node;
+    AgentId viewer;
     std::size_t slot;
   };
 
+  // Start
+  void BeginTree(const State& root);
+  [[nodiscard]] NodeIndex FindForeseen(const State& root) const;
+  void BeginRoot();
+
+  // Gather: one simulation, from the root to a leaf. False if it has to be tried again after the
+  // next Scatter.
+  bool Simulate(EvaluationBatch& batch);
+  [[nodiscard]] Action ChooseAction(NodeIndex node);
+  bool DecideForOthers(NodeIndex node, EvaluationBatch& batch);
+  NodeIndex Expand(NodeIndex parent, Action action);
+  void StepEnvironment(const Node& parent, Node& child);
+  void Judge(const Outcome& outcome, Node& node) const;
+  void ReachLeaf(NodeIndex leaf, EvaluationBatch& batch);
+  void Ask(NodeIndex node, AgentId viewer, EvaluationBatch& batch);
+
+  // Scatter
+  void TakeEvaluation(NodeIndex node, const Evaluation& evaluation);
+  void TakeMateValue(NodeIndex node, float value);
+  void TakeModelPolicy(Node& node, AgentId agent, const Evaluation& evaluation) const;
+  void EndSimulation(NodeIndex leaf);
+
+  [[nodiscard]] ActionSet LegalFor(const Node& node) const;
+  [[nodiscard]] BitBoard VisibleFor(const State& state, AgentId viewer) const;
+
   SearchSettings settings_;
-  GameSettings game_;  // as the search knows it: without max_steps if step_limit is off
+  GameSettings game_;  // as the search knows it: without a step limit if that setting is off
+  AgentId self_ = 0;
+  std::array<ModelledAgent, kAgentCount> models_;
+  Rng rng_;
   Tree tree_;
   std::vector<Pending> pending_;
+  bool forced_ = true;  // nothing to search
+  int started_ = 0;     // simulations of this move, those waiting for an answer included
+  int finished_ = 0;    // simulations of this move that were backed up
+  int reused_visits_ = 0;
+  std::int64_t depth_sum_ = 0;                     // environment steps over finished simulations
+  std::array<float, kActionCount> root_priors_{};  // before noise
 };
 
 }  // namespace powderkeg

@@ -76,7 +76,6 @@ struct SearchSettings {
   bool step_limit = true;           // whether the search knows that a game ends after max_steps
   bool mate_value_on_death = true;  // team: after own death the network judges for the mate;
                                     // otherwise that is worth -0.5
-  bool terminal_solver = false;     // wins and losses are proven up the tree
 
   bool tree_reuse = true;  // keep the subtree of what really happened
   // Leaves per Gather. More than one fills batches from one tree at some cost in strength.

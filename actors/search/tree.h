@@ -3,7 +3,9 @@
 // The search tree: nodes in one array, selection and back-up.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -25,19 +27,19 @@ inline constexpr NodeIndex kNoNode = -1;
 // selection reads are padded to eight lanes and lie together.
 struct alignas(64) Node {
   enum class Stage : std::uint8_t {
-    kNew,          // waits for its evaluation
-    kEvaluated,    // the other agents' actions are not known yet
-    kAsksModels,   // waits for the evaluations that network models act by
-    kReady,        // `actions` holds what the models do
-    kAsksForMate,  // waits for the mate's view after the searching agent died; then terminal
-    kTerminal,     // the game is over for the searching agent: `evaluation` is the outcome
+    kNew,         // waits for its evaluation; has no edges yet
+    kEvaluated,   // the other agents' actions are not known yet
+    kAsksModels,  // waits for the evaluations that network models act by
+    kReady,       // `actions` holds what the models do
+    kAsksMate,    // the searching agent died: waits for the mate's view, then terminal
+    kTerminal,    // over for the searching agent: `evaluation` is the outcome
   };
   static constexpr std::size_t kLanes = 8;
 
-  // Mean value of the simulations through the edge; the unvisited value before the first one; an
-  // unreachable one (infinitely bad for the mover) for illegal actions.
+  // Mean value of the simulations through the edge; the unvisited value before the first one;
+  // infinitely bad for the mover where the action is illegal.
   std::array<float, kLanes> value;
-  std::array<float, kLanes> urge;  // prior / (1 + visits): exploration without its common factor
+  std::array<float, kLanes> urge;  // prior / (1 + visits)
   std::array<NodeIndex, kActionCount> child;
   std::array<std::uint32_t, kActionCount> visits;  // simulations under way included
   std::uint32_t visit_count;                       // sum of `visits`
@@ -45,12 +47,13 @@ struct alignas(64) Node {
   Action parent_action;
   Stage stage;
   std::uint8_t mover;
+  std::uint8_t next_mover;  // who chooses next within this step; `mover` itself: nobody
+  float side;               // +1: the searching agent moves; -1: an enemy
+  float evaluation;         // the evaluator's value, or the outcome
+  std::array<float, kActionCount> prior;  // 0 where illegal
   ActionSet legal;
-  float evaluation;  // the evaluator's value, or the outcome
-  std::array<float, kActionCount> prior;
   JointAction actions;
-  // Before the models decided on this position: what they remember; afterwards: what they will
-  // remember in its children.
+  // What the models remember: before they decide on this position, then after it.
   std::array<PolicyMemory, kAgentCount> memories;
   State state;
 };
@@ -58,18 +61,38 @@ struct alignas(64) Node {
 static_assert(std::is_trivially_copyable_v<Node>);
 static_assert(sizeof(Node) <= 1024);
 
-// Owns the nodes. Indices stay valid, and nodes in place, until Clear or Keep. One thread.
+// Owns the nodes. They stay in place until Clear or Keep. Allocates only in Clear and Keep. One
+// thread.
 class Tree {
  public:
-  Tree(const SearchSettings& settings, AgentId self);
+  explicit Tree(const SearchSettings& settings);
 
-  // Forgets all nodes, makes room for `capacity`.
-  void Clear(std::size_t capacity);
-  // Makes `node` the root, forgets what is not below it, and makes room for `more` nodes.
-  void Keep(NodeIndex node, std::size_t more);
+  // Forgets all nodes; makes room for `capacity`.
+  void Clear(int capacity);
+  // Makes `node` the root, forgets what is not below it, makes room for `more` nodes (and as many
+  // simulations).
+  void Keep(NodeIndex node, int more);
 
-  // Appends a node with edges but no evaluation. Requires room.
+  // Appends a node without state and edges; `parent` may be kNoNode for the root, node 0. Requires
+  // room.
   NodeIndex Add(NodeIndex parent, Action parent_action);
+
+  // Gives a node its edges: what is legal, and the evaluator's policy for it.
+  void SetEdges(Node& node, ActionSet legal, std::span<const float, kActionCount> policy) const;
+  // Replaces the priors of the legal actions; visits and values stay.
+  static void SetPriors(Node& node, std::span<const float, kActionCount> priors);
+
+  // The action that maximises Q + c(N) P sqrt(N) / (1 + n) for the mover, the lowest of equal ones.
+  // N is the number of visits of all edges, at least 1 (so that the first choice follows P).
+  [[nodiscard]] Action Select(const Node& node) const;
+
+  // Counts a simulation under way through an edge.
+  static void Visit(Node& node, Action action);
+  // Takes back the visits from the root to `node`.
+  void Undo(NodeIndex node);
+  // Ends the simulation that was counted from the root to `node`: averages its value in.
+  void BackUp(NodeIndex node, float value);
+
   [[nodiscard]] Node& operator[](NodeIndex node) { return nodes_[static_cast<std::size_t>(node)]; }
   [[nodiscard]] const Node& operator[](NodeIndex node) const {
     return nodes_[static_cast<std::size_t>(node)];
@@ -77,8 +100,16 @@ class Tree {
   [[nodiscard]] NodeIndex size() const { return size_; }
 
  private:
-  std::vector<Node> nodes_;
+  void Reserve(std::size_t nodes, std::size_t visits);
+
+  float unvisited_value_;
+  bool renormalise_priors_;
+  double c_puct_init_;
+  double c_puct_base_;
+  std::vector<Node> nodes_;  // the first size_ are in use; a child stands behind its parent
   NodeIndex size_ = 0;
+  std::vector<float> exploration_;   // [N]: c(N) sqrt(N)
+  std::vector<NodeIndex> moved_to_;  // scratch of Keep
 };
 
 }  // namespace powderkeg

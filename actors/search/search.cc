@@ -1,0 +1,338 @@
+#include "actors/search/search.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+#include "actors/search/deciders.h"
+#include "actors/search/root_policy.h"
+#include "common/base/check.h"
+#include "common/pommerman/observation.h"
+
+namespace powderkeg {
+namespace {
+
+constexpr ActionSet kAllActions = (1U << kActionCount) - 1;
+constexpr NodeIndex kRoot = 0;
+constexpr float kWin = 1;
+constexpr float kLoss = -1;
+constexpr float kOwnDeathInTeam = -0.5F;
+
+GameSettings AsKnownTo(const SearchSettings& settings, GameSettings game) {
+  if (!settings.step_limit) game.max_steps = std::numeric_limits<int>::max();
+  return game;
+}
+
+bool IsAlive(const State& state, AgentId agent) {
+  return state.agents[static_cast<std::size_t>(agent)].alive;
+}
+
+// The legal action of the highest probability, the lowest of equal ones.
+Action MostProbable(const Evaluation& evaluation, ActionSet legal) {
+  std::size_t best = static_cast<std::size_t>(std::countr_zero(legal));
+  for (std::size_t a = best + 1; a < kActionCount; ++a) {
+    if ((legal >> a & 1) != 0 && evaluation.policy[a] > evaluation.policy[best]) best = a;
+  }
+  return static_cast<Action>(best);
+}
+
+}  // namespace
+
+Search::Search(const SearchSettings& settings, const GameSettings& game)
+    : settings_(settings), game_(AsKnownTo(settings, game)), tree_(settings) {
+  pending_.reserve(static_cast<std::size_t>(settings.leaves_per_batch + kAgentCount));
+}
+
+// --- Start -------------------------------------------------------------------------------------
+
+void Search::Start(const State& root, const OpponentModels& models, Rng rng) {
+  CHECK(IsAlive(root, models.self()), "agent ", models.self(), " is dead");
+  CHECK(pending_.empty(), "Start between Gather and Scatter");
+  std::array<ModelledAgent, kAgentCount> known;
+  for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+    if (agent != models.self()) known[static_cast<std::size_t>(agent)] = models.Of(agent);
+  }
+  const bool same_players = self_ == models.self() &&
+                            std::ranges::equal(known, models_, [](const auto& a, const auto& b) {
+                              return a.model == b.model && a.traits == b.traits;
+                            });
+  self_ = models.self();
+  models_ = known;
+  rng_ = rng;
+  started_ = finished_ = reused_visits_ = 0;
+  depth_sum_ = 0;
+  const NodeIndex foreseen = settings_.tree_reuse && same_players ? FindForeseen(root) : kNoNode;
+  if (foreseen == kNoNode) {
+    BeginTree(root);
+  } else {
+    tree_.Keep(foreseen, settings_.simulations);
+  }
+  BeginRoot();
+}
+
+void Search::BeginTree(const State& root) {
+  tree_.Clear(settings_.simulations + 1);
+  Node& node = tree_[tree_.Add(kNoNode, Action::kStop)];
+  node.state = root;
+  node.mover = static_cast<std::uint8_t>(self_);
+  node.side = 1;
+  node.actions.fill(Action::kStop);
+  for (std::size_t agent = 0; agent < kAgentCount; ++agent) {
+    node.memories[agent] = models_[agent].memory;
+  }
+}
+
+// The first evaluated node one environment step below the root that has this position.
+NodeIndex Search::FindForeseen(const State& root) const {
+  if (tree_.size() == 0 || tree_[kRoot].state.step + 1 != root.step) return kNoNode;
+  for (NodeIndex index = 1; index < tree_.size(); ++index) {
+    const Node& node = tree_[index];
+    if (node.mover == self_ && node.state.step == root.step &&
+        (node.stage == Node::Stage::kEvaluated || node.stage == Node::Stage::kReady) &&
+        node.state == root) {
+      return index;
+    }
+  }
+  return kNoNode;
+}
+
+// What holds for new and kept roots alike: is there anything to search, and noise if it is already
+// evaluated.
+void Search::BeginRoot() {
+  Node& root = tree_[kRoot];
+  forced_ = std::popcount(LegalFor(root)) == 1;
+  if (root.stage == Node::Stage::kNew) return;
+  reused_visits_ = static_cast<int>(root.visit_count);
+  root_priors_ = root.prior;
+  if (settings_.noise_weight > 0) {
+    Tree::SetPriors(root, WithNoise(settings_, root_priors_, root.legal, rng_));
+  }
+}
+
+// --- Gather ------------------------------------------------------------------------------------
+
+bool Search::Gather(EvaluationBatch& batch) {
+  CHECK(pending_.empty(), "Gather before the last answers were scattered");
+  if (forced_ || tree_.size() == 0) return false;
+  if (tree_[kRoot].stage == Node::Stage::kNew) {
+    Ask(kRoot, self_, batch);
+    return true;
+  }
+  const auto most = static_cast<std::size_t>(settings_.leaves_per_batch);
+  while (started_ < settings_.simulations && pending_.size() < most) {
+    if (!Simulate(batch)) break;
+  }
+  return !pending_.empty();
+}
+
+bool Search::Simulate(EvaluationBatch& batch) {
+  NodeIndex index = kRoot;
+  for (;;) {
+    Node& node = tree_[index];
+    if (node.stage == Node::Stage::kTerminal) break;
+    const bool can_go_on = node.stage == Node::Stage::kReady ||
+                           (node.stage == Node::Stage::kEvaluated && DecideForOthers(index, batch));
+    if (!can_go_on) {
+      tree_.Undo(index);
+      return false;
+    }
+    const Action action = ChooseAction(index);
+    Tree::Visit(node, action);
+    const NodeIndex child = node.child[static_cast<std::size_t>(action)];
+    if (child == kNoNode) {
+      index = Expand(index, action);
+      break;
+    }
+    index = child;
+  }
+  ++started_;
+  ReachLeaf(index, batch);
+  return true;
+}
+
+Action Search::ChooseAction(NodeIndex index) {
+  const Node& node = tree_[index];
+  if (index != kRoot || settings_.exploratory_start == 0 ||
+      rng_.Uniform() >= settings_.exploratory_start) {
+    return tree_.Select(node);
+  }
+  std::uint32_t skip = rng_.Below(static_cast<std::uint32_t>(std::popcount(node.legal)));
+  unsigned remaining = node.legal;
+  for (; skip > 0; --skip) remaining &= remaining - 1;
+  return static_cast<Action>(std::countr_zero(remaining));
+}
+
+// Fills in `actions` for everybody who does not choose in the tree; false if networks are asked.
+bool Search::DecideForOthers(NodeIndex index, EvaluationBatch& batch) {
+  Node& node = tree_[index];
+  node.next_mover = static_cast<std::uint8_t>(DeciderAfter(settings_, game_, node.state, self_));
+  node.stage = Node::Stage::kReady;
+  for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+    const auto id = static_cast<std::size_t>(agent);
+    node.actions[id] = Action::kStop;
+    if (agent == self_ || agent == node.next_mover || !IsAlive(node.state, agent)) continue;
+    const ModelledAgent& known = models_[id];
+    if (known.model == OpponentModel::kRawNetwork) {
+      node.stage = Node::Stage::kAsksModels;
+      Ask(index, agent, batch);
+      continue;
+    }
+    const PolicyView view{node.state, game_, agent, VisibleFor(node.state, agent)};
+    node.actions[id] = Decide(PolicyOf(known.model), view, known.traits, node.memories[id], rng_);
+  }
+  return node.stage == Node::Stage::kReady;
+}
+
+NodeIndex Search::Expand(NodeIndex parent_index, Action action) {
+  const NodeIndex index = tree_.Add(parent_index, action);
+  const Node& parent = tree_[parent_index];
+  Node& child = tree_[index];
+  child.actions = parent.actions;
+  child.actions[parent.mover] = action;
+  child.memories = parent.memories;
+  child.state = parent.state;
+  child.mover = parent.next_mover;
+  child.next_mover = child.mover;
+  child.side = child.mover == self_ ? 1.0F : -1.0F;
+  if (parent.mover == parent.next_mover) StepEnvironment(parent, child);
+  return index;
+}
+
+// Everybody's action is known: plays them.
+void Search::StepEnvironment(const Node& parent, Node& child) {
+  const Outcome outcome = Advance(game_, child.actions, child.state);
+  const auto mover = static_cast<std::size_t>(parent.mover);
+  if (parent.mover != self_ && models_[mover].model != OpponentModel::kRawNetwork) {
+    ObserveMove(PolicyOf(models_[mover].model), parent.state.agents[mover].cell,
+                child.state.agents[mover].cell, child.memories[mover]);
+  }
+  child.mover = child.next_mover = static_cast<std::uint8_t>(self_);
+  child.side = 1;
+  Judge(outcome, child);
+}
+
+// Whether it is over for the searching agent, and how it ended.
+void Search::Judge(const Outcome& outcome, Node& node) const {
+  const bool alive = IsAlive(node.state, self_);
+  if (!outcome.done && alive) return;
+  node.stage = Node::Stage::kTerminal;
+  if (outcome.done && outcome.result == Result::kTie) {
+    node.evaluation = static_cast<float>(settings_.draw_value);
+  } else if (outcome.done) {
+    node.evaluation = (outcome.winners >> self_ & 1) != 0 ? kWin : kLoss;
+  } else if (!IsTeamMode(game_.mode)) {
+    node.evaluation = kLoss;
+  } else if (settings_.mate_value_on_death && IsAlive(node.state, TeamMateOf(game_.mode, self_))) {
+    node.stage = Node::Stage::kAsksMate;
+  } else {
+    node.evaluation = kOwnDeathInTeam;
+  }
+}
+
+void Search::ReachLeaf(NodeIndex leaf, EvaluationBatch& batch) {
+  switch (tree_[leaf].stage) {
+    case Node::Stage::kTerminal: EndSimulation(leaf); break;
+    case Node::Stage::kAsksMate: Ask(leaf, TeamMateOf(game_.mode, self_), batch); break;
+    default: Ask(leaf, tree_[leaf].mover, batch); break;
+  }
+}
+
+void Search::Ask(NodeIndex node, AgentId viewer, EvaluationBatch& batch) {
+  const State& state = tree_[node].state;
+  pending_.push_back({node, viewer, batch.Add({&state, viewer, VisibleFor(state, viewer)})});
+}
+
+// --- Scatter -----------------------------------------------------------------------------------
+
+void Search::Scatter(const EvaluationBatch& batch) {
+  for (const Pending& pending : pending_) {
+    const Evaluation& evaluation = batch.evaluation(pending.slot);
+    Node& node = tree_[pending.node];
+    switch (node.stage) {
+      case Node::Stage::kAsksModels: TakeModelPolicy(node, pending.viewer, evaluation); break;
+      case Node::Stage::kAsksMate: TakeMateValue(pending.node, evaluation.value); break;
+      default: TakeEvaluation(pending.node, evaluation); break;
+    }
+  }
+  for (const Pending& pending : pending_) {
+    Node& node = tree_[pending.node];
+    if (node.stage == Node::Stage::kAsksModels) node.stage = Node::Stage::kReady;
+  }
+  pending_.clear();
+}
+
+void Search::TakeEvaluation(NodeIndex index, const Evaluation& evaluation) {
+  Node& node = tree_[index];
+  tree_.SetEdges(node, LegalFor(node), evaluation.policy);
+  node.evaluation = node.side * evaluation.value;
+  node.stage = node.mover == self_ ? Node::Stage::kEvaluated : Node::Stage::kReady;
+  if (index == kRoot) {
+    BeginRoot();
+  } else {
+    EndSimulation(index);
+  }
+}
+
+void Search::TakeMateValue(NodeIndex index, float value) {
+  tree_[index].evaluation = value;
+  tree_[index].stage = Node::Stage::kTerminal;
+  EndSimulation(index);
+}
+
+void Search::TakeModelPolicy(Node& node, AgentId agent, const Evaluation& evaluation) const {
+  node.actions[static_cast<std::size_t>(agent)] =
+      MostProbable(evaluation, LegalActions(node.state, agent));
+}
+
+void Search::EndSimulation(NodeIndex leaf) {
+  tree_.BackUp(leaf, tree_[leaf].evaluation);
+  ++finished_;
+  depth_sum_ += tree_[leaf].state.step - tree_[kRoot].state.step;
+}
+
+// --- Result ------------------------------------------------------------------------------------
+
+SearchResult Search::Result() const {
+  SearchResult result;
+  const Node& root = tree_[kRoot];
+  result.searched = !forced_;
+  if (forced_) {
+    result.best = static_cast<Action>(std::countr_zero(LegalFor(root)));
+    return result;
+  }
+  CHECK(root.stage != Node::Stage::kNew, "no result before the root is evaluated");
+  double value_sum = 0;
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    result.visits[a] = root.visits[a];
+    if (root.visits[a] == 0) continue;
+    result.values[a] = root.value[a];
+    value_sum += static_cast<double>(root.visits[a]) * static_cast<double>(root.value[a]);
+  }
+  result.priors = root_priors_;
+  result.evaluator_value = root.evaluation;
+  result.value =
+      root.visit_count == 0 ? root.evaluation : static_cast<float>(value_sum / root.visit_count);
+  result.best = ChooseMove(settings_, {result.visits, result.values, result.priors}, rng_);
+  result.simulations = finished_;
+  result.reused_visits = reused_visits_;
+  if (finished_ > 0) result.mean_depth = static_cast<double>(depth_sum_) / finished_;
+  if (root.stage == Node::Stage::kReady) {
+    result.expected_actions = root.actions;
+    for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+      if (agent == self_ || agent == root.next_mover || !IsAlive(root.state, agent)) continue;
+      result.expected_agents = static_cast<std::uint8_t>(result.expected_agents | 1U << agent);
+    }
+  }
+  return result;
+}
+
+ActionSet Search::LegalFor(const Node& node) const {
+  return settings_.action_filter ? LegalActions(node.state, node.mover) : kAllActions;
+}
+
+BitBoard Search::VisibleFor(const State& state, AgentId viewer) const {
+  if (game_.view_radius == 0) return BitBoard::All();
+  return VisibleCells(game_, state.agents[static_cast<std::size_t>(viewer)].cell);
+}
+
+}  // namespace powderkeg

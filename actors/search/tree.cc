@@ -1,0 +1,152 @@
+#include "actors/search/tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/check.h"
+
+namespace powderkeg {
+namespace {
+
+// ln(1 + x) for x >= 0 as 2 artanh(x / (2 + x)). The library's logarithm may differ in its last bit
+// between machines; +, * and / do not.
+double LogOnePlus(double x) {
+  int halvings = 0;
+  double argument = 1 + x;
+  while (argument > 2) {
+    argument /= 2;
+    ++halvings;
+  }
+  const double z = (argument - 1) / (argument + 1);
+  double power = z;
+  double sum = 0;
+  for (int n = 1; n < 40; n += 2) {
+    sum += power / n;
+    power *= z * z;
+  }
+  constexpr double kLogOfTwo = 0.69314718055994530942;
+  return 2 * sum + halvings * kLogOfTwo;
+}
+
+}  // namespace
+
+Tree::Tree(const SearchSettings& settings)
+    : unvisited_value_(static_cast<float>(settings.unvisited_value)),
+      renormalise_priors_(settings.renormalise_priors),
+      c_puct_init_(settings.c_puct_init),
+      c_puct_base_(settings.c_puct_base) {}
+
+void Tree::Reserve(std::size_t nodes, std::size_t visits) {
+  if (nodes_.size() < nodes) nodes_.resize(nodes);
+  while (exploration_.size() <= visits) {
+    const auto n = static_cast<double>(exploration_.size());
+    const double c = c_puct_init_ + LogOnePlus((n + 1) / c_puct_base_);
+    exploration_.push_back(static_cast<float>(c * std::sqrt(std::max(n, 1.0))));
+  }
+}
+
+void Tree::Clear(int capacity) {
+  size_ = 0;
+  Reserve(static_cast<std::size_t>(capacity), static_cast<std::size_t>(capacity));
+}
+
+void Tree::Keep(NodeIndex node, int more) {
+  moved_to_.assign(static_cast<std::size_t>(size_), kNoNode);
+  NodeIndex kept = 0;
+  for (NodeIndex old = node; old < size_; ++old) {
+    const NodeIndex parent = old == node ? kNoNode : (*this)[old].parent;
+    const NodeIndex new_parent =
+        parent == kNoNode ? kNoNode : moved_to_[static_cast<std::size_t>(parent)];
+    if (old != node && new_parent == kNoNode) continue;
+    Node& moved = (*this)[kept];
+    if (old != kept) moved = (*this)[old];
+    moved.parent = new_parent;
+    if (new_parent != kNoNode) {
+      (*this)[new_parent].child[static_cast<std::size_t>(moved.parent_action)] = kept;
+    }
+    moved_to_[static_cast<std::size_t>(old)] = kept++;
+  }
+  size_ = kept;
+  Reserve(static_cast<std::size_t>(kept + more),
+          (*this)[0].visit_count + static_cast<std::size_t>(more));
+}
+
+NodeIndex Tree::Add(NodeIndex parent, Action parent_action) {
+  DCHECK(static_cast<std::size_t>(size_) < nodes_.size());
+  Node& node = (*this)[size_];
+  node.parent = parent;
+  node.parent_action = parent_action;
+  node.stage = Node::Stage::kNew;
+  node.visit_count = 0;
+  if (parent != kNoNode) (*this)[parent].child[static_cast<std::size_t>(parent_action)] = size_;
+  return size_++;
+}
+
+void Tree::SetEdges(Node& node, ActionSet legal,
+                    std::span<const float, kActionCount> policy) const {
+  node.legal = legal;
+  node.child.fill(kNoNode);
+  node.visits.fill(0);
+  node.visit_count = 0;
+  node.value.fill(-node.side * std::numeric_limits<float>::infinity());
+  float total = 0;
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    const bool is_legal = (legal >> a & 1) != 0;
+    node.prior[a] = is_legal ? policy[a] : 0;
+    if (is_legal) node.value[a] = node.side * unvisited_value_;
+    total += node.prior[a];
+  }
+  if (renormalise_priors_ && total > 0) {
+    for (float& prior : node.prior) prior /= total;
+  }
+  node.urge.fill(0);
+  std::ranges::copy(node.prior, node.urge.begin());
+}
+
+void Tree::SetPriors(Node& node, std::span<const float, kActionCount> priors) {
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    if ((node.legal >> a & 1) == 0) continue;
+    node.prior[a] = priors[a];
+    node.urge[a] = priors[a] / static_cast<float>(1 + node.visits[a]);
+  }
+}
+
+Action Tree::Select(const Node& node) const {
+  const float exploration = exploration_[node.visit_count];
+  std::array<float, Node::kLanes> score;
+  for (std::size_t lane = 0; lane < Node::kLanes; ++lane) {
+    score[lane] = node.side * node.value[lane] + exploration * node.urge[lane];
+  }
+  std::size_t best = 0;
+  for (std::size_t a = 1; a < kActionCount; ++a) {
+    if (score[a] > score[best]) best = a;
+  }
+  return static_cast<Action>(best);
+}
+
+void Tree::Visit(Node& node, Action action) {
+  const auto a = static_cast<std::size_t>(action);
+  ++node.visit_count;
+  node.urge[a] = node.prior[a] / static_cast<float>(1 + ++node.visits[a]);
+}
+
+void Tree::Undo(NodeIndex node) {
+  for (NodeIndex child = node; (*this)[child].parent != kNoNode; child = (*this)[child].parent) {
+    Node& parent = (*this)[(*this)[child].parent];
+    const auto a = static_cast<std::size_t>((*this)[child].parent_action);
+    --parent.visit_count;
+    parent.urge[a] = parent.prior[a] / static_cast<float>(1 + --parent.visits[a]);
+  }
+}
+
+void Tree::BackUp(NodeIndex node, float value) {
+  for (NodeIndex child = node; (*this)[child].parent != kNoNode; child = (*this)[child].parent) {
+    Node& parent = (*this)[(*this)[child].parent];
+    const auto a = static_cast<std::size_t>((*this)[child].parent_action);
+    const auto visits = static_cast<float>(parent.visits[a]);
+    parent.value[a] = visits == 1 ? value : parent.value[a] + (value - parent.value[a]) / visits;
+  }
+}
+
+}  // namespace powderkeg
