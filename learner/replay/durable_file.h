@@ -1,0 +1,31 @@
+#pragma once
+
+// Files that appear whole or not at all, whatever dies when.
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace powderkeg {
+
+// Ending of names under which files are written before they are complete. What has it after a
+// crash was never acknowledged and may be deleted.
+inline constexpr std::string_view kTemporaryEnding = ".tmp";
+
+// Writes `path` + kTemporaryEnding, flushes it to the device, renames it to `path` and flushes the
+// folder. When it returns the file is durable; if it throws Error (disk full, unwritable folder)
+// whatever `path` held before is untouched.
+void WriteFileDurably(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
+
+// Makes the removal or renaming of files in `folder` durable. Throws Error.
+void SyncFolder(const std::filesystem::path& folder);
+
+// Creates the folder and its parents if missing and deletes temporaries in it. Throws Error.
+void PrepareFolder(const std::filesystem::path& folder);
+
+// Throws Error if it cannot be read.
+[[nodiscard]] std::vector<std::uint8_t> ReadFileBytes(const std::filesystem::path& path);
+
+}  // namespace powderkeg

@@ -1,0 +1,56 @@
+#pragma once
+
+// Finished games on disk, as HDF5 segments that other programs can read.
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "common/record/game_record.h"
+
+namespace powderkeg {
+
+// A folder of segments `segment-<number>.h5`, each a whole number of games. Segments appear whole
+// (durable_file.h) and are never changed. One thread (HDF5 is not thread-safe, so one store at a
+// time in a process); one process at a time (the run's lock). Every method throws Error.
+//
+// A segment holds typed little-endian arrays, contiguous and uncompressed: those listed in
+// segment_columns.h (n, or n x k where a row has k values), each with its meaning as attribute
+// `description`, and `evaluators`, zero-padded strings of one length. The file's attribute
+// `powderkeg_format` is kSegmentFormat. In Python: h5py.File(path)["decisions/visits"][:].
+class ReplayStore {
+ public:
+  // Creates the folder if missing and deletes temporaries that a crash has left.
+  explicit ReplayStore(std::filesystem::path folder);
+
+  // Writes the games as one segment, durable when it returns: only then acknowledge them. An empty
+  // span writes nothing.
+  void Append(std::span<const GameRecord> games);
+
+  // Calls `visit` for every game of every segment, once per ticket. The error for a damaged
+  // segment names its file.
+  void Load(const std::function<void(GameRecord&&)>& visit) const;
+
+  // Rewrites small segments as one: the merged segment first, then the originals go. Worth calling
+  // once per iteration; a crash in between leaves doubles, which Load drops.
+  void Merge();
+
+  [[nodiscard]] std::size_t segment_count() const { return segments_.size(); }
+
+ private:
+  struct Segment {
+    std::uint64_t number;
+    std::uint64_t bytes;
+  };
+  [[nodiscard]] std::filesystem::path PathOf(const Segment& segment) const;
+  // Calls `visit` for the games of `segments` whose ticket did not come before.
+  void LoadFrom(std::span<const Segment> segments,
+                const std::function<void(GameRecord&&)>& visit) const;
+
+  std::filesystem::path folder_;
+  std::vector<Segment> segments_;  // ascending by number
+};
+
+}  // namespace powderkeg

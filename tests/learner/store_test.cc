@@ -1,0 +1,259 @@
+#include "learner/replay/store.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <set>
+
+#include "common/base/check.h"
+#include "learner/replay/durable_file.h"
+#include "learner/replay/segment_columns.h"
+#include "tests/learner/record_support.h"
+
+namespace powderkeg {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+std::vector<GameRecord> LoadAll(const ReplayStore& store) {
+  std::vector<GameRecord> games;
+  store.Load([&](GameRecord&& game) { games.push_back(std::move(game)); });
+  return games;
+}
+
+std::vector<fs::path> FilesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+  std::ranges::sort(files);
+  return files;
+}
+
+std::string MessageOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(ReplayStore, GivesBackWhatWasAppended) {
+  const TemporaryFolder folder;
+  std::vector<GameRecord> games = RandomRecords(0, 100);
+  games[7].actions.clear();
+  games[7].decisions.clear();
+  {
+    ReplayStore store(folder.path() / "replay");
+    store.Append(std::span(games).first(40));
+    store.Append(std::span(games).subspan(40));
+    store.Append({});
+    EXPECT_EQ(store.segment_count(), 2u);
+    EXPECT_EQ(LoadAll(store), games);
+  }
+  EXPECT_EQ(LoadAll(ReplayStore(folder.path() / "replay")), games);
+}
+
+TEST(ReplayStore, NumbersGoOnAfterARestart) {
+  const TemporaryFolder folder;
+  ReplayStore(folder.path()).Append(RandomRecords(0, 1));
+  ReplayStore(folder.path()).Append(RandomRecords(1, 1));
+  EXPECT_THAT(FilesIn(folder.path()), testing::ElementsAre(folder.path() / "segment-00000001.h5",
+                                                           folder.path() / "segment-00000002.h5"));
+}
+
+TEST(ReplayStore, DropsDoublesByTicket) {
+  const TemporaryFolder folder;
+  ReplayStore store(folder.path());
+  store.Append(RandomRecords(0, 5));
+  store.Append(RandomRecords(3, 5));
+  EXPECT_EQ(LoadAll(store).size(), 8u);
+}
+
+TEST(ReplayStore, MergeLeavesOneSegmentWithTheSameGames) {
+  const TemporaryFolder folder;
+  ReplayStore store(folder.path());
+  for (std::uint64_t i = 0; i < 10; ++i) store.Append(RandomRecords(i * 5, 5));
+  const std::vector<GameRecord> before = LoadAll(store);
+  store.Merge();
+  EXPECT_EQ(store.segment_count(), 1u);
+  EXPECT_EQ(FilesIn(folder.path()).size(), 1u);
+  EXPECT_EQ(LoadAll(store), before);
+  store.Merge();
+  store.Append(RandomRecords(50, 5));
+  EXPECT_EQ(LoadAll(ReplayStore(folder.path())).size(), 55u);
+}
+
+TEST(ReplayStore, ACrashBetweenMergeAndRemovalLeavesNoDoubles) {
+  const TemporaryFolder folder;
+  const TemporaryFolder backup;
+  ReplayStore store(folder.path());
+  store.Append(RandomRecords(0, 5));
+  store.Append(RandomRecords(5, 5));
+  fs::copy(folder.path(), backup.path());
+  store.Merge();
+  fs::copy(backup.path(), folder.path());  // the originals are back
+  ReplayStore restarted(folder.path());
+  EXPECT_EQ(restarted.segment_count(), 3u);
+  EXPECT_EQ(LoadAll(restarted).size(), 10u);
+  restarted.Merge();
+  EXPECT_EQ(restarted.segment_count(), 1u);
+  EXPECT_EQ(LoadAll(restarted).size(), 10u);
+}
+
+TEST(ReplayStore, DeletesStaleTemporariesAndIgnoresOtherFiles) {
+  const TemporaryFolder folder;
+  const fs::path stale = folder.path() / "segment-00000001.h5.tmp";
+  std::ofstream(stale) << "half a segment";
+  std::ofstream(folder.path() / "notes.txt") << "mine";
+  std::ofstream(folder.path() / "segment-old.h5") << "mine too";
+  const ReplayStore store(folder.path());
+  EXPECT_FALSE(fs::exists(stale));
+  EXPECT_EQ(store.segment_count(), 0u);
+  EXPECT_EQ(FilesIn(folder.path()).size(), 2u);
+}
+
+// ---- Damage -------------------------------------------------------------------------------------
+
+TEST(ReplayStore, AnUnreadableSegmentIsAnErrorThatNamesIt) {
+  const TemporaryFolder folder;
+  ReplayStore store(folder.path());
+  store.Append(RandomRecords(0, 50));
+  store.Append(RandomRecords(50, 50));
+  const fs::path damaged = folder.path() / "segment-00000002.h5";
+  fs::resize_file(damaged, fs::file_size(damaged) / 2);
+  EXPECT_THAT(MessageOf([&] { LoadAll(store); }), HasSubstr(damaged.string()));
+  fs::resize_file(damaged, 0);
+  EXPECT_THAT(MessageOf([&] { LoadAll(store); }), HasSubstr(damaged.string()));
+}
+
+TEST(ReplayStore, FlippedBytesNeverCrash) {
+  const TemporaryFolder folder;
+  ReplayStore store(folder.path());
+  store.Append(RandomRecords(0, 3));
+  const fs::path path = folder.path() / "segment-00000001.h5";
+  const std::vector<std::uint8_t> whole = ReadFileBytes(path);
+  Rng rng(5);
+  for (int i = 0; i < 200; ++i) {
+    std::vector<std::uint8_t> bytes = whole;
+    bytes[rng.Below(static_cast<std::uint32_t>(bytes.size()))] ^=
+        static_cast<std::uint8_t>(1 + rng.Below(255));
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
+    MessageOf([&] { LoadAll(store); });
+  }
+}
+
+TEST(SegmentColumns, ValuesOutOfRangeAreRefused) {
+  const SegmentColumns whole = ToColumns(RandomRecords(0, 8));
+  const auto reason = [&](auto&& damage) {
+    SegmentColumns columns = whole;
+    damage(columns);
+    return MessageOf([&] { ForEachGame(columns, [](GameRecord&&) {}); });
+  };
+  EXPECT_EQ(reason([](SegmentColumns&) {}), "no error");
+  EXPECT_THAT(reason([](auto& c) { c.games.mode[0] = 0; }), HasSubstr("mode"));
+  EXPECT_THAT(reason([](auto& c) { c.games.result[0] = 3; }), HasSubstr("result"));
+  EXPECT_THAT(reason([](auto& c) { c.games.seat_policy[0][2] = 5; }), HasSubstr("seat_policy"));
+  EXPECT_THAT(reason([](auto& c) { c.games.evaluator[0] = 2; }), HasSubstr("evaluator"));
+  EXPECT_THAT(reason([](auto& c) { c.games.seed.pop_back(); }), HasSubstr("games/seed has 7 rows"));
+  EXPECT_THAT(reason([](auto& c) { c.games.step_count[7] += 1; }), HasSubstr("ends within"));
+  EXPECT_THAT(reason([](auto& c) { c.games.step_count[7] -= 1; }), HasSubstr("goes on"));
+  EXPECT_THAT(reason([](auto& c) { c.games.decision_count[1] += 1; }), HasSubstr("out of order"));
+  EXPECT_THAT(reason([](auto& c) { c.steps.actions[0] = 6; }), HasSubstr("action above 5"));
+  EXPECT_THAT(reason([](auto& c) { c.decisions.agent[0] = 4; }), HasSubstr("agent"));
+}
+
+TEST(ReplayStore, AFolderThatCannotBeMadeIsAnError) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "file") << "not a folder";
+  EXPECT_THAT(MessageOf([&] { ReplayStore store(folder.path() / "file"); }), HasSubstr("file"));
+}
+
+// Runs `action` in a child process; its result is the child's exit status.
+int InChild(const std::function<int()>& action) {
+  const pid_t child = fork();
+  if (child == 0) _exit(action());
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST(ReplayStore, AFullDiskIsAnErrorAndLosesNothing) {
+  const TemporaryFolder folder;
+  ReplayStore(folder.path()).Append(RandomRecords(0, 5));
+  const int status = InChild([&] {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{4096, 4096};  // as if the disk had room for one page
+    setrlimit(RLIMIT_FSIZE, &limit);
+    ReplayStore store(folder.path());
+    const std::string message = MessageOf([&] { store.Append(RandomRecords(5, 500)); });
+    return message.find("cannot write") != std::string::npos ? 0 : 1;
+  });
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(LoadAll(ReplayStore(folder.path())).size(), 5u);
+}
+
+// ---- kill -9 ------------------------------------------------------------------------------------
+
+constexpr std::uint64_t kGamesPerSegment = 4;
+
+// Appends and merges until killed; a byte into `pipe` acknowledges each append.
+[[noreturn]] void AppendForever(const fs::path& folder, int pipe) {
+  ReplayStore store(folder);
+  std::uint64_t ticket = LoadAll(store).size();
+  for (int i = 1;; ++i) {
+    store.Append(RandomRecords(ticket, kGamesPerSegment));
+    ticket += kGamesPerSegment;
+    if (write(pipe, "a", 1) != 1) _exit(1);
+    if (i % 3 == 0) store.Merge();
+  }
+}
+
+// Starts a child, kills it soon after a random number of appends; how many it acknowledged.
+std::uint64_t AppendsBeforeKill(const fs::path& folder, Rng& rng) {
+  int ends[2];
+  CHECK(pipe(ends) == 0);
+  const pid_t child = fork();
+  if (child == 0) AppendForever(folder, ends[1]);
+  close(ends[1]);
+  std::uint64_t acknowledged = 0;
+  char byte;
+  for (std::uint32_t i = 0, count = 1 + rng.Below(8); i < count; ++i) {
+    acknowledged += static_cast<std::uint64_t>(read(ends[0], &byte, 1));
+  }
+  usleep(rng.Below(3000));  // into the middle of something
+  kill(child, SIGKILL);
+  while (read(ends[0], &byte, 1) == 1) ++acknowledged;
+  close(ends[0]);
+  waitpid(child, nullptr, 0);
+  return acknowledged;
+}
+
+TEST(ReplayStore, AKillAtAnyMomentLosesNothingAcknowledged) {
+  Rng rng(11);
+  const TemporaryFolder folder;
+  std::uint64_t games = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    const std::uint64_t appends = AppendsBeforeKill(folder.path(), rng);
+    std::set<std::uint64_t> tickets;
+    for (const GameRecord& game : LoadAll(ReplayStore(folder.path()))) {
+      ASSERT_TRUE(tickets.insert(game.ticket).second);
+      ASSERT_EQ(game, RandomRecord(game.ticket, static_cast<int>(game.actions.size()),
+                                   static_cast<int>(game.decisions.size())));
+    }
+    ASSERT_GE(tickets.size(), games + appends * kGamesPerSegment);
+    // One append may have become durable without being acknowledged.
+    ASSERT_LE(tickets.size(), games + (appends + 1) * kGamesPerSegment);
+    ASSERT_EQ(*tickets.rbegin(), tickets.size() - 1);
+    games = tickets.size();
+  }
+}
+
+}  // namespace
+}  // namespace powderkeg
