@@ -47,9 +47,7 @@ BitBoard State::Walkable() const { return ~(rigid | wood | bomb_cells | Flames()
 
 CellValue State::ValueAt(Cell cell) const {
   for (int id = 0; id < kAgentCount; ++id) {
-    if (agents[id].alive && agents[id].cell == cell) {
-      return static_cast<CellValue>(static_cast<int>(CellValue::kAgent0) + id);
-    }
+    if (agents[id].alive && agents[id].cell == cell) return AgentValue(id);
   }
   if (Flames().Has(cell)) return CellValue::kFlames;
   if (bomb_cells.Has(cell)) return CellValue::kBomb;

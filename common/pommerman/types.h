@@ -111,6 +111,10 @@ enum class CellValue : std::uint8_t {
   kAgent0 = 10,  // agent i is kAgent0 + i
 };
 
+[[nodiscard]] constexpr CellValue AgentValue(AgentId id) {
+  return static_cast<CellValue>(static_cast<int>(CellValue::kAgent0) + id);
+}
+
 enum class Item : std::uint8_t { kNone = 0, kExtraBomb = 1, kIncreaseRange = 2, kKick = 3 };
 
 // Two words an agent tells its team mate (radio mode); (0, 0) when it said nothing.
