@@ -66,14 +66,16 @@ struct GameRecord {
   friend bool operator==(const GameRecord&, const GameRecord&) = default;
 };
 
-// +1 win, 0 tie, -1 loss of `agent` in the recorded game (the value target).
+// +1 win, 0 tie, -1 loss of `agent` in the recorded game (the value target). Where the game was not
+// played to its end, searching seats lost and the others' outcome is unknown: 0.
 [[nodiscard]] int OutcomeFor(const GameRecord& record, AgentId agent);
 
 // Regenerates the start, re-runs the rule-based seats, steps the recorded actions and checks every
 // claim of the record (decisions belong to living searching seats in order, their actions exist,
 // the outcome is the true one, nothing follows the end). Returns the reason for refusal, or
 // nullopt. Never throws, safe on records from peers. `visitor`, if given, is called for each
-// decision with the position it was made in and the action that was played.
+// decision with the position it was made in (before a collapse) and the action that was played,
+// until a reason is found.
 using PositionVisitor = void (*)(void* context, const State& state, const Decision& decision,
                                  Action action);
 [[nodiscard]] std::optional<std::string> Verify(const GameRecord& record,
