@@ -14,10 +14,6 @@ namespace {
 
 using Options = std::vector<std::pair<std::string, std::string>>;
 
-constexpr std::string_view kKnownAgents =
-    "idle, random, harmless, simple_unbiased, official_simple, raw:model=FILE, "
-    "search[:OPTION=VALUE,...][,model=FILE]";
-
 // "a=1,b=2" as pairs in order. Throws Error.
 Options ParseOptions(std::string_view agent, std::string_view text) {
   Options options;
@@ -78,9 +74,14 @@ AgentDescription ParseAgent(std::string_view text) {
   } else if (policy) {
     throw Error(StrCat("agent ", name, ": options \"", options, "\": it has none"));
   } else {
-    throw Error(StrCat("unknown agent \"", name, "\": known: ", kKnownAgents));
+    throw Error(StrCat("unknown agent \"", name, "\": known: ", KnownAgents()));
   }
   return description;
+}
+
+std::string KnownAgents() {
+  return "idle, random, harmless, simple_unbiased, official_simple, raw:model=FILE, "
+         "search[:OPTION=VALUE,...][,model=FILE]";
 }
 
 std::unique_ptr<Agent> MakeAgent(const AgentDescription& description) {

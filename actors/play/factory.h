@@ -31,6 +31,8 @@ struct AgentDescription {
 //   search[:OPTION=VALUE,...][,model=FILE]                     a search (search_settings.h)
 // Throws Error with what is wrong and what is known.
 [[nodiscard]] AgentDescription ParseAgent(std::string_view text);
+// What ParseAgent reads, separated by ", ": for error messages and --help.
+[[nodiscard]] std::string KnownAgents();
 
 // The agent; its questions are for the description's model.
 [[nodiscard]] std::unique_ptr<Agent> MakeAgent(const AgentDescription& description);

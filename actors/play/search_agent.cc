@@ -50,7 +50,8 @@ const SearchResult& SearchAgent::result() const {
 Action SearchAgent::action() const { return result().best; }
 
 std::optional<Decision> SearchAgent::decision() const {
-  if (!result().searched) return std::nullopt;
+  const bool visited = result().visits != std::array<std::uint32_t, kActionCount>{};
+  if (!result().searched || !visited) return std::nullopt;
   Decision decision;
   decision.step = belief_->state().step;
   decision.agent = static_cast<std::uint8_t>(belief_->self());

@@ -1,0 +1,62 @@
+#include "actors/arena/progress.h"
+
+#include <array>
+#include <cstdio>
+#include <utility>
+
+namespace powderkeg {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kBarWidth = 24;
+
+std::string Bar(int done, int total) {
+  const auto filled = static_cast<std::size_t>(kBarWidth * done / total);
+  return "[" + std::string(filled, '=') + std::string(kBarWidth - filled, ' ') + "]";
+}
+
+}  // namespace
+
+Progress::Progress(std::ostream& out, Style style, std::string title, int games,
+                   Clock::time_point now)
+    : out_(out), style_(style), title_(std::move(title)), games_(games), start_(now), shown_(now) {
+  if (style_ == Style::kPlain) out_ << title_ << ": " << games_ << " games" << std::endl;
+}
+
+void Progress::AddGame(const PlayedGame& game, Clock::time_point now) {
+  const int outcome = game.outcomes[0];
+  ++(outcome > 0 ? score_.wins : outcome < 0 ? score_.losses : score_.ties);
+  const bool last = score_.games() == static_cast<std::uint64_t>(games_);
+  const auto pause = style_ == Style::kTerminal ? 100ms : 10'000ms;
+  if (last || now - shown_ >= pause) Show(now);
+}
+
+void Progress::Finish() {
+  if (style_ == Style::kTerminal) out_ << std::endl;
+}
+
+void Progress::Show(Clock::time_point now) {
+  shown_ = now;
+  if (style_ == Style::kTerminal) {
+    out_ << '\r' << Bar(static_cast<int>(score_.games()), games_) << ' ' << Line(now) << "\x1b[K"
+         << std::flush;
+  } else {
+    out_ << Line(now) << std::endl;
+  }
+}
+
+std::string Progress::Line(Clock::time_point now) const {
+  const auto done = static_cast<double>(score_.games());
+  const double seconds = std::chrono::duration<double>(now - start_).count();
+  const Interval win = WilsonInterval(score_.wins, score_.games());
+  std::array<char, 160> text;
+  std::snprintf(text.data(), text.size(),
+                "%.0f/%d  win %.3f [%.3f, %.3f]  tie %.3f  loss %.3f  %.0f s left", done, games_,
+                static_cast<double>(score_.wins) / done, win.low, win.high,
+                static_cast<double>(score_.ties) / done, static_cast<double>(score_.losses) / done,
+                seconds / done * (games_ - done));
+  return text.data();
+}
+
+}  // namespace powderkeg

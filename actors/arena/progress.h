@@ -1,0 +1,42 @@
+#pragma once
+
+// The running result of a match on a terminal or in a log.
+
+#include <chrono>
+#include <ostream>
+#include <string>
+
+#include "actors/arena/match.h"
+#include "common/base/stats.h"
+
+namespace powderkeg {
+
+// On a terminal one line that is written over, at most ten times a second; elsewhere plain lines,
+// at most one in ten seconds. One thread at a time.
+class Progress {
+ public:
+  enum class Style : std::uint8_t { kTerminal, kPlain };
+  using Clock = std::chrono::steady_clock;
+
+  // `out` must outlive it.
+  Progress(std::ostream& out, Style style, std::string title, int games, Clock::time_point now);
+
+  // Counts a finished game and shows the state if it is time.
+  void AddGame(const PlayedGame& game, Clock::time_point now);
+  // Ends the line on a terminal.
+  void Finish();
+
+ private:
+  [[nodiscard]] std::string Line(Clock::time_point now) const;
+  void Show(Clock::time_point now);
+
+  std::ostream& out_;
+  Style style_;
+  std::string title_;
+  int games_;
+  Clock::time_point start_;
+  Clock::time_point shown_;
+  MatchScore score_;
+};
+
+}  // namespace powderkeg

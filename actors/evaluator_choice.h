@@ -1,0 +1,28 @@
+#pragma once
+
+// Which evaluator this machine has for a network: shared by the mains, the only code of the actors
+// that names concrete ones.
+
+#include <memory>
+#include <string>
+
+#include "common/model/evaluator.h"
+#include "common/model/weights_snapshot.h"
+
+namespace powderkeg {
+
+struct EvaluatorChoice {
+  std::string evaluator = "auto";  // auto | uniform | onednn | torch; auto: torch if it has a CUDA
+                                   // device, else onednn, else torch
+  std::string precision = "auto";  // auto | fp32 | bf16 | fp16; auto: fp16 on CUDA, bf16 where the
+                                   // processor has it, else fp32
+};
+
+// Prepares the process for the evaluators built in. Call once, before threads start.
+void InitialiseEvaluators();
+
+// One for each thread. Throws Error if the choice is unknown or not built in.
+[[nodiscard]] std::unique_ptr<Evaluator> MakeEvaluator(const EvaluatorChoice& choice,
+                                                       const Snapshot& snapshot);
+
+}  // namespace powderkeg
