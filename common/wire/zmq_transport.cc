@@ -1,0 +1,247 @@
+#include "common/wire/zmq_transport.h"
+
+#include <array>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+#include <zmq.hpp>
+#include <zmq_addon.hpp>
+
+#include "common/base/check.h"
+#include "common/base/log.h"
+#include "common/wire/messages.h"
+
+namespace powderkeg {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr int kLingerMs = 1000;
+// Messages per peer and direction that ZeroMQ may hold; tickets bound them long before.
+constexpr int kHighWaterMark = 256;
+constexpr int kHandshakeMs = 10'000;
+// Heartbeats of ZeroMQ itself: frees what a vanished peer's connection holds.
+constexpr int kHeartbeatMs = 5000;
+constexpr int kHeartbeatTimeoutMs = 20'000;
+constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";
+
+void SetCommonOptions(zmq::socket_t& socket) {
+  socket.set(zmq::sockopt::linger, kLingerMs);
+  socket.set(zmq::sockopt::sndhwm, kHighWaterMark);
+  socket.set(zmq::sockopt::rcvhwm, kHighWaterMark);
+  socket.set(zmq::sockopt::maxmsgsize, kMaxMessageBytes);
+  socket.set(zmq::sockopt::handshake_ivl, kHandshakeMs);
+  socket.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
+  socket.set(zmq::sockopt::heartbeat_timeout, kHeartbeatTimeoutMs);
+  socket.set(zmq::sockopt::tcp_keepalive, 1);
+  socket.set(zmq::sockopt::tcp_keepalive_idle, 30);
+  socket.set(zmq::sockopt::ipv6, 1);
+}
+
+// Waits until the socket has a message. False: time is up or the waker was notified.
+bool WaitForMessage(zmq::socket_t& socket, milliseconds timeout, const Waker& waker) {
+  std::array<zmq::pollitem_t, 2> items = {
+      zmq::pollitem_t{socket.handle(), 0, ZMQ_POLLIN, 0},
+      zmq::pollitem_t{nullptr, waker.file_descriptor(), ZMQ_POLLIN, 0}};
+  try {
+    zmq::poll(items.data(), items.size(), timeout);
+  } catch (const zmq::error_t& error) {
+    if (error.num() != EINTR) throw Error(StrCat("cannot wait for messages: ", error.what()));
+    return false;
+  }
+  if ((items[1].revents & ZMQ_POLLIN) != 0) waker.Clear();
+  return (items[0].revents & ZMQ_POLLIN) != 0;
+}
+
+std::optional<std::vector<zmq::message_t>> ReceiveFrames(zmq::socket_t& socket) {
+  std::vector<zmq::message_t> frames;
+  try {
+    if (!zmq::recv_multipart(socket, std::back_inserter(frames), zmq::recv_flags::dontwait)) {
+      return std::nullopt;
+    }
+  } catch (const zmq::error_t& error) {
+    if (error.num() != EINTR) throw Error(StrCat("cannot receive a message: ", error.what()));
+    return std::nullopt;
+  }
+  return frames;
+}
+
+// The zeromq authentication protocol (ZeroMQ RFC 27): lets in whoever has a key in the folder.
+class KeyChecker {
+ public:
+  KeyChecker(zmq::context_t& context, std::filesystem::path keys)
+      : context_(context), keys_(std::move(keys)), socket_(context, zmq::socket_type::rep) {
+    socket_.bind(kZapEndpoint);
+    thread_ = std::jthread([this] { Run(); });
+  }
+  // Shuts the context down: that ends the thread's wait.
+  ~KeyChecker() { context_.shutdown(); }
+  KeyChecker(const KeyChecker&) = delete;
+  KeyChecker& operator=(const KeyChecker&) = delete;
+
+ private:
+  // Until the context is shut down.
+  void Run() {
+    try {
+      for (;;) {
+        std::vector<zmq::message_t> request;
+        if (zmq::recv_multipart(socket_, std::back_inserter(request))) Answer(request);
+      }
+    } catch (const zmq::error_t& error) {
+      if (error.num() != ETERM) log::Error("authentication failed", "error", error.what());
+    }
+    socket_.close();
+  }
+
+  // Request: version, id, domain, address, identity, mechanism, key.
+  void Answer(const std::vector<zmq::message_t>& request) {
+    constexpr std::size_t kFrames = 7;
+    constexpr std::size_t kKeyBytes = 32;
+    constexpr std::size_t kKeyCharacters = 40;
+    bool allowed = false;
+    if (request.size() == kFrames && request[5].to_string_view() == "CURVE" &&
+        request[6].size() == kKeyBytes) {
+      std::array<char, kKeyCharacters + 1> key{};
+      zmq_z85_encode(key.data(), request[6].data<std::uint8_t>(), kKeyBytes);
+      allowed = IsAllowed(keys_, key.data());
+    }
+    if (!allowed && request.size() > 3) {
+      log::Warn("refused a key that is not in the folder", "address", request[3].to_string_view());
+    }
+    const std::string id = request.size() > 1 ? request[1].to_string() : "";
+    const std::array<std::string, 6> reply = {
+        "1.0", id, allowed ? "200" : "400", allowed ? "OK" : "key not allowed", "", ""};
+    for (std::size_t i = 0; i < reply.size(); ++i) {
+      const auto more = i + 1 < reply.size() ? zmq::send_flags::sndmore : zmq::send_flags::none;
+      socket_.send(zmq::buffer(reply[i]), more);
+    }
+  }
+
+  zmq::context_t& context_;
+  std::filesystem::path keys_;
+  zmq::socket_t socket_;  // used by the thread alone once it runs
+  std::jthread thread_;
+};
+
+class ZmqServer final : public ServerChannel {
+ public:
+  explicit ZmqServer(const ListenSettings& settings)
+      : context_(1), socket_(context_, zmq::socket_type::router) {
+    SetCommonOptions(socket_);
+    socket_.set(zmq::sockopt::router_mandatory, 1);
+    if (settings.keys) UseKeys(*settings.keys);
+    try {
+      socket_.bind(settings.endpoint);
+    } catch (const zmq::error_t& error) {
+      throw Error(StrCat("cannot listen on ", settings.endpoint, ": ", error.what(),
+                         "; expected tcp://ADDRESS:PORT or ipc://PATH that is free"));
+    }
+  }
+
+  bool Send(const PeerId& peer, const std::string& bytes) override {
+    try {
+      return socket_.send(zmq::buffer(peer),
+                          zmq::send_flags::sndmore | zmq::send_flags::dontwait) &&
+             socket_.send(zmq::buffer(bytes), zmq::send_flags::dontwait);
+    } catch (const zmq::error_t& error) {
+      if (error.num() == EHOSTUNREACH || error.num() == EINTR) return false;
+      throw Error(StrCat("cannot send: ", error.what()));
+    }
+  }
+
+  std::optional<Incoming> Receive(milliseconds timeout, const Waker& waker) override {
+    if (!WaitForMessage(socket_, timeout, waker)) return std::nullopt;
+    auto frames = ReceiveFrames(socket_);
+    if (!frames || frames->empty()) return std::nullopt;
+    // A message of more or fewer frames than our own has no bytes that could be read.
+    Incoming incoming{.peer = frames->front().to_string(), .bytes = {}};
+    if (frames->size() == 2) incoming.bytes = frames->back().to_string();
+    return incoming;
+  }
+
+  [[nodiscard]] std::string endpoint() const override {
+    return socket_.get(zmq::sockopt::last_endpoint);
+  }
+
+ private:
+  void UseKeys(const std::filesystem::path& keys) {
+    socket_.set(zmq::sockopt::curve_server, true);
+    socket_.set(zmq::sockopt::curve_secretkey, ReadKey(keys / "learner.secret"));
+    socket_.set(zmq::sockopt::zap_domain, "powderkeg");
+    key_checker_.emplace(context_, keys);
+  }
+
+  zmq::context_t context_;
+  std::optional<KeyChecker> key_checker_;
+  zmq::socket_t socket_;
+};
+
+class ZmqClient final : public ClientChannel {
+ public:
+  ZmqClient(const std::string& endpoint, const std::optional<ClientKeys>& keys)
+      : context_(1), socket_(context_, zmq::socket_type::dealer) {
+    SetCommonOptions(socket_);
+    socket_.set(zmq::sockopt::immediate, true);
+    socket_.set(zmq::sockopt::reconnect_ivl, 200);
+    socket_.set(zmq::sockopt::reconnect_ivl_max, 5000);
+    if (keys) {
+      socket_.set(zmq::sockopt::curve_serverkey, keys->learner_public);
+      socket_.set(zmq::sockopt::curve_publickey, keys->own.public_key);
+      socket_.set(zmq::sockopt::curve_secretkey, keys->own.secret_key);
+    }
+    try {
+      socket_.connect(endpoint);
+    } catch (const zmq::error_t& error) {
+      throw Error(StrCat("cannot connect to ", endpoint, ": ", error.what(),
+                         "; expected tcp://HOST:PORT or ipc://PATH"));
+    }
+  }
+
+  bool Send(const std::string& bytes) override {
+    try {
+      return socket_.send(zmq::buffer(bytes), zmq::send_flags::dontwait).has_value();
+    } catch (const zmq::error_t& error) {
+      if (error.num() == EINTR) return false;
+      throw Error(StrCat("cannot send: ", error.what()));
+    }
+  }
+
+  std::optional<std::string> Receive(milliseconds timeout, const Waker& waker) override {
+    if (!WaitForMessage(socket_, timeout, waker)) return std::nullopt;
+    auto frames = ReceiveFrames(socket_);
+    if (!frames || frames->size() != 1) return std::nullopt;
+    return frames->front().to_string();
+  }
+
+ private:
+  zmq::context_t context_;
+  zmq::socket_t socket_;
+};
+
+}  // namespace
+
+bool IsLocal(const std::string& endpoint) {
+  constexpr std::array<std::string_view, 4> kLocal = {"ipc://", "tcp://127.",
+                                                      "tcp://localhost:", "tcp://[::1]:"};
+  for (const std::string_view prefix : kLocal) {
+    if (endpoint.starts_with(prefix)) return true;
+  }
+  return false;
+}
+
+std::unique_ptr<ServerChannel> ListenZmq(const ListenSettings& settings) {
+  if (!settings.keys && !settings.allow_insecure && !IsLocal(settings.endpoint)) {
+    throw Error(StrCat("not listening on ", settings.endpoint,
+                       " without keys: make them with powderkeg_keys and give --keys, or say "
+                       "--insecure"));
+  }
+  return std::make_unique<ZmqServer>(settings);
+}
+
+std::unique_ptr<ClientChannel> ConnectZmq(const std::string& endpoint,
+                                          const std::optional<ClientKeys>& keys) {
+  return std::make_unique<ZmqClient>(endpoint, keys);
+}
+
+}  // namespace powderkeg
