@@ -1,0 +1,94 @@
+#include "tests/http/runner_json.h"
+
+#include <array>
+#include <string_view>
+
+namespace powderkeg {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+constexpr int kAgent0 = static_cast<int>(CellValue::kAgent0);
+constexpr int kDummy = static_cast<int>(CellValue::kAgentDummy);
+
+template <typename Number, typename Value>
+OrderedJson Rows(const std::array<Value, kCellCount>& cells, int size) {
+  OrderedJson rows = OrderedJson::array();
+  for (int row = 0; row < size; ++row) {
+    OrderedJson values = OrderedJson::array();
+    for (int column = 0; column < size; ++column) {
+      values.push_back(static_cast<Number>(cells[static_cast<std::size_t>(CellAt(row, column))]));
+    }
+    rows.push_back(values);
+  }
+  return rows;
+}
+
+OrderedJson Alive(const Observation& observation) {
+  OrderedJson alive = OrderedJson::array();
+  for (int id = 0; id < kAgentCount; ++id) {
+    if (observation.alive[static_cast<std::size_t>(id)]) alive.push_back(kAgent0 + id);
+  }
+  return alive;
+}
+
+OrderedJson Enemies(Mode mode, AgentId self) {
+  OrderedJson enemies = OrderedJson::array();
+  for (int id = 0; id < kAgentCount; ++id) {
+    const bool enemy = mode == Mode::kFreeForAll ? id != self : (id + self) % 2 == 1;
+    if (enemy) enemies.push_back(kAgent0 + id);
+  }
+  if (mode != Mode::kFreeForAll) enemies.push_back(kDummy);
+  return enemies;
+}
+
+std::string_view EnvironmentClass(const GameSettings& settings) {
+  if (settings.mode == Mode::kTeamRadio) return "pommerman.envs.v2:Pomme";
+  return settings.collapse_steps[0] > 0 ? "pommerman.envs.v1:Pomme" : "pommerman.envs.v0:Pomme";
+}
+
+}  // namespace
+
+OrderedJson ObservationObject(const GameSettings& settings, const Observation& observation) {
+  const int size = settings.board_size;
+  const bool teams = settings.mode != Mode::kFreeForAll;
+  OrderedJson object;
+  object["alive"] = Alive(observation);
+  object["board"] = Rows<int>(observation.board, size);
+  object["bomb_blast_strength"] = Rows<double>(observation.bomb_blast_strength, size);
+  object["bomb_life"] = Rows<double>(observation.bomb_life, size);
+  object["bomb_moving_direction"] = Rows<double>(observation.bomb_moving_direction, size);
+  object["flame_life"] = Rows<double>(observation.flame_life, size);
+  object["game_type"] = static_cast<int>(settings.mode);
+  object["game_env"] = EnvironmentClass(settings);
+  object["position"] = {RowOf(observation.position), ColumnOf(observation.position)};
+  object["blast_strength"] = observation.blast_strength;
+  object["can_kick"] = observation.can_kick;
+  object["teammate"] = teams ? kAgent0 + (observation.self + 2) % kAgentCount : kDummy;
+  object["ammo"] = observation.ammo;
+  object["enemies"] = Enemies(settings.mode, observation.self);
+  object["step_count"] = observation.step;
+  if (settings.mode == Mode::kTeamRadio) object["message"] = observation.message;
+  return object;
+}
+
+std::string ActionBody(const OrderedJson& observation) {
+  const bool radio = observation.is_object() && observation.contains("message");
+  OrderedJson body;
+  body["obs"] = observation.dump();
+  body["action_space"] = radio ? "[6, 8, 8]" : "6";
+  return body.dump();
+}
+
+std::string ActionBody(const GameSettings& settings, const Observation& observation) {
+  return ActionBody(ObservationObject(settings, observation));
+}
+
+std::string InitBody(AgentId id, Mode mode) {
+  OrderedJson body;
+  body["id"] = std::to_string(id);
+  body["game_type"] = std::to_string(static_cast<int>(mode));
+  return body.dump();
+}
+
+}  // namespace powderkeg
