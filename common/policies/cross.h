@@ -15,7 +15,7 @@ consteval std::array<std::array<BitBoard, kBoardSize>, kCellCount> MakeCrosses()
   for (Cell cell = 0; cell < kCellCount; ++cell) {
     BitBoard up = BitBoard::Of(cell), down = up, left = up, right = up, cross = up;
     for (int reach = 0; reach < kBoardSize; ++reach) {
-      crosses[static_cast<std::size_t>(cell)][static_cast<std::size_t>(reach)] = cross;
+      crosses[cell][reach] = cross;
       up = up.Up(), down = down.Down(), left = left.Left(), right = right.Right();
       cross |= up | down | left | right;
     }
@@ -30,8 +30,7 @@ inline constexpr auto kCrosses = MakeCrosses();
 // The cells in the row or column of `cell` at distance <= reach, itself included; walls do not
 // matter. reach >= 0.
 [[nodiscard]] inline BitBoard CrossOf(Cell cell, int reach) {
-  return internal::kCrosses[static_cast<std::size_t>(cell)]
-                           [static_cast<std::size_t>(reach < kBoardSize ? reach : kBoardSize - 1)];
+  return internal::kCrosses[cell][reach < kBoardSize ? reach : kBoardSize - 1];
 }
 
 }  // namespace powderkeg

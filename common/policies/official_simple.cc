@@ -25,7 +25,7 @@ consteval std::array<BitBoard, kCellCount> MakeSearchAreas() {
     for (Cell to = 0; to < kCellCount; ++to) {
       if (RowOf(to) < end_row && ColumnOf(to) < end_column &&
           ManhattanDistance(from, to) <= kSearchDepth) {
-        areas[static_cast<std::size_t>(from)].Add(to);
+        areas[from].Add(to);
       }
     }
   }
@@ -61,13 +61,11 @@ struct Threats {
   std::array<int, 5> strength{};  // by Direction; 0: no threat
 
   void Add(Direction direction, int bomb_strength) {
-    int& known = strength[static_cast<std::size_t>(direction)];
+    int& known = strength[direction];
     if (known == 0) order.Add(direction);
     known = std::max(known, bomb_strength);
   }
-  [[nodiscard]] int From(Direction direction) const {
-    return strength[static_cast<std::size_t>(direction)];
-  }
+  [[nodiscard]] int From(Direction direction) const { return strength[direction]; }
 };
 
 BitBoard LinesThrough(Cell cell) { return CrossOf(cell, kBoardSize); }
@@ -135,14 +133,11 @@ class Turn {
 };
 
 Turn::Turn(const PolicyView& view)
-    : view_(view),
-      state_(view.state),
-      self_(view.state.agents[static_cast<std::size_t>(view.self)]),
-      cell_(self_.cell) {
+    : view_(view), state_(view.state), self_(view.state.agents[view.self]), cell_(self_.cell) {
   SeeAgents();
   SeeBombs();
   const BitBoard blocked = state_.rigid | state_.Flames();
-  nodes_ = view.visible & kSearchAreas[static_cast<std::size_t>(cell_)] & ~blocked;
+  nodes_ = view.visible & kSearchAreas[cell_] & ~blocked;
   const BitBoard occupied = blocked | state_.wood | (state_.bomb_cells & ~agents_);
   passable_ = view.visible & ~(occupied | enemies_);
   passages_ = passable_ & ~(agents_ | state_.Items());
@@ -150,7 +145,7 @@ Turn::Turn(const PolicyView& view)
 
 void Turn::SeeAgents() {
   for (int id = 0; id < kAgentCount; ++id) {
-    const AgentState& agent = state_.agents[static_cast<std::size_t>(id)];
+    const AgentState& agent = state_.agents[id];
     if (!agent.alive || !view_.visible.Has(agent.cell)) continue;
     agents_.Add(agent.cell);
     if (AreEnemies(view_.settings.mode, view_.self, id)) enemies_.Add(agent.cell);
@@ -274,7 +269,7 @@ Cell Turn::NearestEnemy() const {
     const BitBoard near = at_distance_[distance] & enemies_;
     if (near.Empty()) continue;
     for (int id = kAgentCount - 1; id >= 0; --id) {
-      const AgentState& agent = state_.agents[static_cast<std::size_t>(id)];
+      const AgentState& agent = state_.agents[id];
       if (agent.alive && near.Has(agent.cell)) return agent.cell;
     }
   }

@@ -17,7 +17,7 @@ constexpr std::array<std::string_view, 5> kNames = {"idle", "random", "harmless"
 
 }  // namespace
 
-std::string_view NameOf(PolicyKind kind) { return kNames.at(static_cast<std::size_t>(kind)); }
+std::string_view NameOf(PolicyKind kind) { return kNames[static_cast<int>(kind)]; }
 
 std::optional<PolicyKind> PolicyKindFor(std::string_view name) {
   const auto found = std::ranges::find(kNames, name);
@@ -35,7 +35,7 @@ PolicyTraits PolicyTraits::Draw(Rng& rng) {
 
 Action Decide(PolicyKind kind, const PolicyView& view, const PolicyTraits& traits,
               PolicyMemory& memory, Rng& rng) {
-  DCHECK(view.state.agents[static_cast<std::size_t>(view.self)].alive);
+  DCHECK(view.state.agents[view.self].alive);
   switch (kind) {
     case PolicyKind::kIdle: return Action::kStop;
     case PolicyKind::kRandom: return DecideRandom(rng);

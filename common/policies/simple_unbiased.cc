@@ -79,7 +79,7 @@ class Turn {
 Turn::Turn(const PolicyView& view, const PolicyTraits& traits)
     : view_(view),
       traits_(traits),
-      self_(view.state.agents[static_cast<std::size_t>(view.self)]),
+      self_(view.state.agents[view.self]),
       row_(RowOf(self_.cell)),
       column_(ColumnOf(self_.cell)) {
   SeeAgents(view);
@@ -91,13 +91,13 @@ Turn::Turn(const PolicyView& view, const PolicyTraits& traits)
 
 void Turn::SeeAgents(const PolicyView& view) {
   for (int id = 0; id < kAgentCount; ++id) {
-    const AgentState& agent = view.state.agents[static_cast<std::size_t>(id)];
+    const AgentState& agent = view.state.agents[id];
     if (!agent.alive || !view.visible.Has(agent.cell)) continue;
     agents_.Add(agent.cell);
     if (!AreEnemies(view.settings.mode, view.self, id)) continue;
     const int distance = ManhattanDistance(self_.cell, agent.cell);
     if (distance > kApproachDistance) continue;
-    enemies_[static_cast<std::size_t>(id)] = true;
+    enemies_[id] = true;
     nearest_enemy_ = std::min(nearest_enemy_, distance);
   }
 }
@@ -286,7 +286,7 @@ Direction Turn::Wander(const PolicyMemory& memory, Rng& rng) const {
   std::array<Direction, 4> kept{};
   int count = 0;
   for (const Direction direction : shuffled) {
-    if (CanStep(direction, exploding_)) kept[static_cast<std::size_t>(count++)] = direction;
+    if (CanStep(direction, exploding_)) kept[count++] = direction;
   }
   if (count == 0) return Direction::kNone;
   // The original means to move remembered cells to the end, but it appends what follows the removed
@@ -296,7 +296,7 @@ Direction Turn::Wander(const PolicyMemory& memory, Rng& rng) const {
     const auto place = kept.begin() + cursor;
     if (Remembers(memory, Neighbour(self_.cell, *place))) {
       std::copy(place + 1, kept.begin() + count, place);
-      if (cursor < count - 1) kept[static_cast<std::size_t>(count - 1)] = *place;
+      if (cursor < count - 1) kept[count - 1] = *place;
     } else {
       ++cursor;
     }
