@@ -61,11 +61,11 @@ struct Threats {
   std::array<int, 5> strength{};  // by Direction; 0: no threat
 
   void Add(Direction direction, int bomb_strength) {
-    int& known = strength[direction];
+    int& known = strength[static_cast<int>(direction)];
     if (known == 0) order.Add(direction);
     known = std::max(known, bomb_strength);
   }
-  [[nodiscard]] int From(Direction direction) const { return strength[direction]; }
+  [[nodiscard]] int From(Direction direction) const { return strength[static_cast<int>(direction)]; }
 };
 
 BitBoard LinesThrough(Cell cell) { return CrossOf(cell, kBoardSize); }
