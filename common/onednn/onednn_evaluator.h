@@ -1,0 +1,22 @@
+#pragma once
+
+// Evaluation on CPUs with oneDNN alone. No oneDNN type in this header.
+
+#include <memory>
+
+#include "common/model/evaluator.h"
+#include "common/model/precision.h"
+#include "common/model/weights_snapshot.h"
+
+namespace powderkeg {
+
+// Whether this processor computes in bf16 (AVX-512 BF16 or better).
+[[nodiscard]] bool HasBf16();
+
+// An evaluator "onednn fp32" or "onednn bf16" for the weights of the snapshot. bf16 becomes fp32
+// where the processor lacks it: name() tells. Uses the calling thread alone; several evaluators in
+// several threads run independently. Throws Error on invalid weights and on fp16.
+[[nodiscard]] std::unique_ptr<Evaluator> MakeOnednnEvaluator(const Snapshot& snapshot,
+                                                             Precision precision);
+
+}  // namespace powderkeg

@@ -1,0 +1,213 @@
+#include "common/onednn/onednn_program.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/model/planes.h"
+
+namespace powderkeg::onednn {
+namespace {
+
+using dnnl::memory;
+using Desc = memory::desc;
+using Tag = memory::format_tag;
+constexpr auto kF32 = memory::data_type::f32;
+
+// The caller's memory for intermediate results: oneDNN's own would be shared between threads.
+dnnl::primitive_attr MakeAttributes() {
+  dnnl::primitive_attr attributes;
+  attributes.set_scratchpad_mode(dnnl::scratchpad_mode::user);
+  return attributes;
+}
+
+// `tag`: any or oihw; that of a depthwise convolution follows from it.
+Desc WeightsDesc(const FoldedConvolution& layer, memory::data_type type, Tag tag) {
+  const memory::dim groups = layer.groups;
+  const memory::dim outputs = layer.outputs / layer.groups;
+  const memory::dim inputs = layer.inputs / layer.groups;
+  const memory::dim kernel = layer.kernel;
+  if (groups == 1) return {{outputs, inputs, kernel, kernel}, type, tag};
+  return {{groups, outputs, inputs, kernel, kernel}, type, tag == Tag::oihw ? Tag::goihw : tag};
+}
+
+memory::dims OutputDims(const FoldedConvolution& layer, const memory::dims& source) {
+  const auto side = (source[2] - 1) / layer.stride + 1;
+  return {source[0], layer.outputs, side, side};
+}
+
+}  // namespace
+
+JoinedNetwork JoinHeads(const FoldedNetwork& network) {
+  const FoldedConvolution& value = network.value_convolution;
+  const FoldedConvolution& policy = network.policy_convolution;
+  JoinedNetwork joined{network.stem, network.blocks, value, {}, network.leaky_slope};
+  FoldedConvolution& convolution = joined.head_convolution;
+  convolution.outputs += policy.outputs;
+  convolution.weights.insert(convolution.weights.end(), policy.weights.begin(),
+                             policy.weights.end());
+  convolution.bias.insert(convolution.bias.end(), policy.bias.begin(), policy.bias.end());
+
+  const LinearLayer& hidden = network.value_hidden;
+  const LinearLayer& logits = network.policy_output;
+  LinearLayer& head = joined.head;
+  head.inputs = hidden.inputs + logits.inputs;
+  head.outputs = hidden.outputs + logits.outputs;
+  head.weights.assign(static_cast<std::size_t>(head.inputs * head.outputs), 0.0F);
+  auto row = head.weights.begin();
+  for (int output = 0; output < hidden.outputs; ++output, row += head.inputs) {
+    std::copy_n(hidden.weights.begin() + output * hidden.inputs, hidden.inputs, row);
+  }
+  for (int output = 0; output < logits.outputs; ++output, row += head.inputs) {
+    std::copy_n(logits.weights.begin() + output * logits.inputs, logits.inputs,
+                row + hidden.inputs);
+  }
+  head.bias = hidden.bias;
+  head.bias.insert(head.bias.end(), logits.bias.begin(), logits.bias.end());
+  return joined;
+}
+
+memory Arena::Acquire(const Desc& desc, const dnnl::engine& engine) {
+  auto free = std::ranges::find(buffers_, false, &Buffer::in_use);
+  if (free == buffers_.end()) free = buffers_.emplace(buffers_.end());
+  free->in_use = true;
+  free->size = std::max(free->size, desc.get_size());
+  return free->users.emplace_back(memory(desc, engine, DNNL_MEMORY_NONE));
+}
+
+void Arena::Release(const memory& released) {
+  for (Buffer& buffer : buffers_) {
+    if (std::ranges::find(buffer.users, released) != buffer.users.end()) buffer.in_use = false;
+  }
+}
+
+void Arena::Commit() {
+  for (Buffer& buffer : buffers_) {
+    constexpr std::size_t kAlignment = 64;
+    buffer.bytes = std::make_unique<std::byte[]>(buffer.size + kAlignment);
+    void* first = buffer.bytes.get();
+    std::size_t space = buffer.size + kAlignment;
+    first = std::align(kAlignment, buffer.size, first, space);
+    for (memory& user : buffer.users) user.set_data_handle(first);
+  }
+}
+
+Program::Program(const JoinedNetwork& network, int positions, memory::data_type type,
+                 const dnnl::engine& engine)
+    : positions_(positions),
+      type_(type),
+      leaky_slope_(network.leaky_slope),
+      engine_(engine),
+      stream_(engine),
+      input_(static_cast<std::size_t>(positions) * kPlanesSize),
+      output_(static_cast<std::size_t>(positions * network.head.outputs)) {
+  const Desc plain({positions, kPlaneCount, kBoardSize, kBoardSize}, kF32, Tag::nchw);
+  memory x =
+      AddConvolution(network.stem, memory(plain, engine_, input_.data()), Activation::kLeaky);
+  for (const FoldedBlock& block : network.blocks) x = AddBlock(block, x);
+  x = AddConvolution(network.head_convolution, x, Activation::kLeaky);
+  AddLinear(network.head, x);
+  arena_.Commit();
+}
+
+memory Program::AddBlock(const FoldedBlock& block, const memory& input) {
+  memory x = input;
+  for (std::size_t i = 0; i < block.convolutions.size(); ++i) {
+    const bool last = i + 1 == block.convolutions.size();
+    const memory next =
+        AddConvolution(block.convolutions[i], x,
+                       !last || block.final_activation ? Activation::kLeaky : Activation::kNone,
+                       last && block.skip ? &input : nullptr);
+    if (i > 0 || !block.skip) arena_.Release(x);
+    x = next;
+  }
+  return x;
+}
+
+memory Program::AddConvolution(const FoldedConvolution& layer, const memory& source,
+                               Activation activation, const memory* residual) {
+  const memory::dims source_dims = source.get_desc().dims();
+  const memory::dims strides = {layer.stride, layer.stride};
+  const memory::dims padding = {layer.kernel / 2, layer.kernel / 2};
+  dnnl::post_ops post_ops;
+  if (residual != nullptr) post_ops.append_sum();
+  if (activation == Activation::kLeaky) {
+    post_ops.append_eltwise(1.0F, dnnl::algorithm::eltwise_relu, leaky_slope_, 0.0F);
+  }
+  dnnl::primitive_attr attributes = MakeAttributes();
+  attributes.set_post_ops(post_ops);
+  const Desc bias({layer.outputs}, kF32, Tag::x);
+  const dnnl::convolution_forward::primitive_desc description(
+      {dnnl::prop_kind::forward_inference, dnnl::algorithm::convolution_direct,
+       Desc(source_dims, type_, Tag::any), WeightsDesc(layer, type_, Tag::any), bias,
+       Desc(OutputDims(layer, source_dims), type_, Tag::any), strides, padding, padding},
+      attributes, engine_);
+  const memory input = Converted(source, description.src_desc());
+  const memory output = residual != nullptr ? Converted(*residual, description.dst_desc())
+                                            : arena_.Acquire(description.dst_desc(), engine_);
+  AddStep(description, dnnl::convolution_forward(description),
+          {{DNNL_ARG_SRC, input},
+           {DNNL_ARG_WEIGHTS, Constant(layer.weights, WeightsDesc(layer, kF32, Tag::oihw),
+                                       description.weights_desc())},
+           {DNNL_ARG_BIAS, Constant(layer.bias, bias, bias)},
+           {DNNL_ARG_DST, output}});
+  ReleaseCopy(input, source);
+  if (residual != nullptr) ReleaseCopy(*residual, output);
+  return output;
+}
+
+void Program::AddLinear(const LinearLayer& layer, const memory& source) {
+  const memory::dims source_dims = source.get_desc().dims();
+  const memory::dims weight_dims = {layer.outputs, source_dims[1], source_dims[2], source_dims[3]};
+  const Desc bias({layer.outputs}, kF32, Tag::x);
+  const Desc output({positions_, layer.outputs}, kF32, Tag::nc);
+  const dnnl::inner_product_forward::primitive_desc description(
+      {dnnl::prop_kind::forward_inference, Desc(source_dims, type_, Tag::any),
+       Desc(weight_dims, type_, Tag::any), bias, output},
+      MakeAttributes(), engine_);
+  const memory input = Converted(source, description.src_desc());
+  AddStep(description, dnnl::inner_product_forward(description),
+          {{DNNL_ARG_SRC, input},
+           {DNNL_ARG_WEIGHTS, Constant(layer.weights, Desc(weight_dims, kF32, Tag::oihw),
+                                       description.weights_desc())},
+           {DNNL_ARG_BIAS, Constant(layer.bias, bias, bias)},
+           {DNNL_ARG_DST, memory(output, engine_, output_.data())}});
+}
+
+memory Program::Converted(const memory& source, const Desc& desc) {
+  if (source.get_desc() == desc) return source;
+  const memory copy = arena_.Acquire(desc, engine_);
+  const dnnl::reorder::primitive_desc description(source, copy, MakeAttributes());
+  AddStep(description, dnnl::reorder(description), {{DNNL_ARG_FROM, source}, {DNNL_ARG_TO, copy}});
+  return copy;
+}
+
+void Program::ReleaseCopy(const memory& copy, const memory& source) {
+  if (!(copy == source)) arena_.Release(copy);
+}
+
+memory Program::Constant(const std::vector<float>& values, const Desc& plain, const Desc& desc) {
+  memory source(plain, engine_, const_cast<float*>(values.data()));
+  memory constant(desc, engine_);
+  dnnl::reorder(source, constant).execute(stream_, source, constant);
+  stream_.wait();
+  return constant;
+}
+
+void Program::AddStep(const dnnl::primitive_desc_base& description, dnnl::primitive primitive,
+                      std::unordered_map<int, memory> arguments) {
+  const Desc scratchpad = description.scratchpad_desc();
+  if (scratchpad.get_size() > 0) {
+    const memory scratch = arena_.Acquire(scratchpad, engine_);
+    arguments.emplace(DNNL_ARG_SCRATCHPAD, scratch);
+    arena_.Release(scratch);
+  }
+  implementations_.emplace_back(description.impl_info_str());
+  steps_.push_back({std::move(primitive), std::move(arguments)});
+}
+
+void Program::Run() {
+  for (const Step& step : steps_) step.primitive.execute(stream_, step.arguments);
+  stream_.wait();
+}
+
+}  // namespace powderkeg::onednn

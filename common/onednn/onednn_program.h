@@ -1,0 +1,108 @@
+#pragma once
+
+// A network compiled by oneDNN for a fixed number of positions. Internal to common/onednn.
+
+#include <cstddef>
+#include <memory>
+#include <oneapi/dnnl/dnnl.hpp>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "common/model/folded_network.h"
+
+namespace powderkeg::onednn {
+
+// A folded network whose two heads are one: their 1x1 convolutions side by side, then one linear
+// layer with the value's hidden layer (before its activation) and the policy's logits side by side.
+// What one head does not read of the other's channels has weight 0. The value's output layer, tanh
+// and softmax are left to the caller.
+struct JoinedNetwork {
+  FoldedConvolution stem;
+  std::vector<FoldedBlock> blocks;
+  FoldedConvolution head_convolution;
+  LinearLayer head;  // outputs: value_hidden, then 6 logits
+  float leaky_slope = 0;
+};
+[[nodiscard]] JoinedNetwork JoinHeads(const FoldedNetwork& network);
+
+// Memory for the activations of a program. A buffer is reused as soon as it was released, which
+// keeps the working set in the cache.
+class Arena {
+ public:
+  // A memory object without memory until Commit.
+  [[nodiscard]] dnnl::memory Acquire(const dnnl::memory::desc& desc, const dnnl::engine& engine);
+  // The memory object stays valid; its content may be overwritten by later steps.
+  void Release(const dnnl::memory& memory);
+  // Gives every acquired object its memory. Call once, at the end.
+  void Commit();
+
+ private:
+  struct Buffer {
+    std::size_t size = 0;
+    bool in_use = false;
+    std::vector<dnnl::memory> users;
+    std::unique_ptr<std::byte[]> bytes;
+  };
+
+  std::vector<Buffer> buffers_;
+};
+
+// One thread.
+class Program {
+ public:
+  // `type` is that of weights and activations: f32 or bf16.
+  Program(const JoinedNetwork& network, int positions, dnnl::memory::data_type type,
+          const dnnl::engine& engine);
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  // [positions][plane][cell], to be written before Run.
+  [[nodiscard]] std::span<float> input() { return input_; }
+  void Run();
+  // [positions][value_hidden + 6] after Run.
+  [[nodiscard]] std::span<const float> output() const { return output_; }
+
+  // How oneDNN implements each step, for logs and tests.
+  [[nodiscard]] const std::vector<std::string>& implementations() const { return implementations_; }
+
+ private:
+  struct Step {
+    dnnl::primitive primitive;
+    std::unordered_map<int, dnnl::memory> arguments;
+  };
+
+  [[nodiscard]] dnnl::memory AddBlock(const FoldedBlock& block, const dnnl::memory& input);
+  // A convolution, then the sum with `residual` (if not null), then the activation. The result
+  // takes the residual's place.
+  enum class Activation { kNone, kLeaky };
+  [[nodiscard]] dnnl::memory AddConvolution(const FoldedConvolution& layer,
+                                            const dnnl::memory& source, Activation activation,
+                                            const dnnl::memory* residual = nullptr);
+  // Into output(). `source` has as many values per position as the layer has inputs.
+  void AddLinear(const LinearLayer& layer, const dnnl::memory& source);
+  // `source` in the form `desc`: itself, or a copy made by a reorder step.
+  [[nodiscard]] dnnl::memory Converted(const dnnl::memory& source, const dnnl::memory::desc& desc);
+  // Releases `copy` if Converted made it from `source`.
+  void ReleaseCopy(const dnnl::memory& copy, const dnnl::memory& source);
+  // Constant values in the form `desc`, converted once from the form `plain`.
+  [[nodiscard]] dnnl::memory Constant(const std::vector<float>& values,
+                                      const dnnl::memory::desc& plain,
+                                      const dnnl::memory::desc& desc);
+  void AddStep(const dnnl::primitive_desc_base& description, dnnl::primitive primitive,
+               std::unordered_map<int, dnnl::memory> arguments);
+
+  int positions_;
+  dnnl::memory::data_type type_;
+  float leaky_slope_;
+  dnnl::engine engine_;
+  dnnl::stream stream_;
+  Arena arena_;
+  std::vector<Step> steps_;
+  std::vector<std::string> implementations_;
+  std::vector<float> input_;
+  std::vector<float> output_;
+};
+
+}  // namespace powderkeg::onednn

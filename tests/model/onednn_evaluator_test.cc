@@ -1,0 +1,101 @@
+#include "common/onednn/onednn_evaluator.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "common/base/check.h"
+#include "tests/model/positions.h"
+#include "tests/model/reference_evaluator.h"
+
+namespace powderkeg {
+namespace {
+
+class OnednnEvaluatorTest : public testing::TestWithParam<NetworkDescription> {
+ protected:
+  Snapshot snapshot_ = RandomWeights(GetParam(), /*seed=*/1);
+  // Two slices and remainders.
+  std::vector<State> states_ = PlayedStates(21, /*seed=*/2);
+  std::vector<Position> positions_ = PositionsOf(states_);
+};
+
+NetworkDescription OddNetwork() {
+  using Kind = BlockDescription::Kind;
+  NetworkDescription network;
+  network.stem_channels = 24;
+  network.blocks = {{.kind = Kind::kResidual, .expanded = 40, .channels = 40, .stride = 2},
+                    {.kind = Kind::kResidual, .expanded = 40, .channels = 40, .stride = 1},
+                    {.kind = Kind::kInvertedResidual, .expanded = 50, .channels = 20, .stride = 1},
+                    {.kind = Kind::kInvertedResidual, .expanded = 33, .channels = 20, .stride = 2}};
+  network.value_channels = 3;
+  network.value_hidden = 10;
+  network.policy_channels = 5;
+  network.leaky_slope = 0.1F;
+  return network;
+}
+
+TEST_P(OnednnEvaluatorTest, AnswersAsTheReference) {
+  const auto evaluator = MakeOnednnEvaluator(snapshot_, Precision::kFp32);
+  EXPECT_EQ(evaluator->name(), "onednn fp32");
+  ReferenceEvaluator reference(snapshot_);
+  const CanaryDifference difference =
+      Compare(EvaluateAll(*evaluator, positions_), EvaluateAll(reference, positions_));
+  EXPECT_LT(difference.policy, 1e-4F);
+  EXPECT_LT(difference.value, 1e-4F);
+}
+
+TEST_P(OnednnEvaluatorTest, Bf16IsClose) {
+  const auto evaluator = MakeOnednnEvaluator(snapshot_, Precision::kBf16);
+  EXPECT_EQ(evaluator->name(), HasBf16() ? "onednn bf16" : "onednn fp32");
+  ReferenceEvaluator reference(snapshot_);
+  const CanaryDifference difference =
+      Compare(EvaluateAll(*evaluator, positions_), EvaluateAll(reference, positions_));
+  EXPECT_LT(difference.policy, 0.05F);
+  EXPECT_LT(difference.value, 0.05F);
+}
+
+// A position's answer does not depend on its neighbours in the batch beyond rounding.
+TEST_P(OnednnEvaluatorTest, EverySliceSizeGivesTheSameAnswers) {
+  const auto evaluator = MakeOnednnEvaluator(snapshot_, Precision::kFp32);
+  const std::vector<Evaluation> all = EvaluateAll(*evaluator, positions_);
+  for (std::size_t count = 0; count <= 9; ++count) {
+    const std::vector<Position> some(positions_.end() - static_cast<std::ptrdiff_t>(count),
+                                     positions_.end());
+    const CanaryDifference difference = Compare(
+        EvaluateAll(*evaluator, some), {all.end() - static_cast<std::ptrdiff_t>(count), all.end()});
+    EXPECT_LT(difference.policy, 1e-5F) << count;
+    EXPECT_LT(difference.value, 1e-5F) << count;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Networks, OnednnEvaluatorTest,
+                         testing::Values(PaperNetwork(), SmallNetwork(), OddNetwork()));
+
+TEST(OnednnEvaluator, TwoThreadsWorkIndependently) {
+  const Snapshot snapshot = RandomWeights(SmallNetwork(), 1);
+  const std::vector<State> states = PlayedStates(30, 2);
+  const std::vector<Position> positions = PositionsOf(states);
+  const auto first = MakeOnednnEvaluator(snapshot, Precision::kFp32);
+  const auto second = MakeOnednnEvaluator(snapshot, Precision::kFp32);
+  const std::vector<Evaluation> expected = EvaluateAll(*first, positions);
+  std::array<int, 2> wrong{};
+  const auto work = [&](Evaluator& evaluator, int& differences) {
+    for (int i = 0; i < 20; ++i) differences += EvaluateAll(evaluator, positions) != expected;
+  };
+  {
+    const std::jthread other([&] { work(*second, wrong[1]); });
+    work(*first, wrong[0]);
+  }
+  EXPECT_EQ(wrong, (std::array<int, 2>{0, 0}));
+}
+
+TEST(OnednnEvaluator, RefusesWhatItCannotDo) {
+  const Snapshot good = RandomWeights(SmallNetwork(), 1);
+  EXPECT_THROW((void)MakeOnednnEvaluator(good, Precision::kFp16), Error);
+  auto bad = std::make_shared<WeightsSnapshot>(*good);
+  bad->arrays.pop_back();
+  EXPECT_THROW((void)MakeOnednnEvaluator(bad, Precision::kFp32), Error);
+}
+
+}  // namespace
+}  // namespace powderkeg
