@@ -2,7 +2,7 @@
 set output output_file
 set datafile separator ','
 set grid lc rgb '#dddddd'
-set key outside right top
+set key below
 set multiplot layout 2,2 title sprintf('Powderkeg, run %s', run)
 
 set xlabel 'iteration'
