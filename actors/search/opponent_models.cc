@@ -1,6 +1,7 @@
 #include "actors/search/opponent_models.h"
 
 #include "common/base/check.h"
+#include "common/pommerman/observation.h"
 
 namespace powderkeg {
 
@@ -22,23 +23,38 @@ void OpponentModels::StartGame(const SearchSettings& settings, const GameSetting
   memory_ = settings.memory;
   game_ = game;
   self_ = self;
-  rng_ = rng;
   agents_ = {};
   for (int i = 1; i < kAgentCount; ++i) {
-    ModelledAgent& agent = agents_[static_cast<std::size_t>((self + i) % kAgentCount)];
-    agent.model = settings.opponents[static_cast<std::size_t>(i - 1)];
-    agent.traits = PolicyTraits::Draw(rng_);
+    const auto id = static_cast<std::size_t>((self + i) % kAgentCount);
+    agents_[id].model = settings.opponents[static_cast<std::size_t>(i - 1)];
+    agents_[id].traits = PolicyTraits::Draw(rng);
+    orders_[id].Start(agents_[id].traits, rng.Split(id));
   }
 }
 
 void OpponentModels::ObserveStep(const State& before, const State& after) {
   if (memory_ == ModelMemory::kReset) return;
-  for (std::size_t id = 0; id < kAgentCount; ++id) {
-    ModelledAgent& agent = agents_[id];
-    if (static_cast<AgentId>(id) == self_ || agent.model == OpponentModel::kRawNetwork) continue;
-    if (!before.agents[id].alive) continue;
-    ObserveMove(PolicyOf(agent.model), before.agents[id].cell, after.agents[id].cell, agent.memory);
+  for (AgentId id = 0; id < kAgentCount; ++id) {
+    const auto index = static_cast<std::size_t>(id);
+    ModelledAgent& agent = agents_[index];
+    if (id == self_ || agent.model == OpponentModel::kRawNetwork) continue;
+    if (!before.agents[index].alive) continue;
+    InferOrders(before, after, id);
+    ObserveMove(PolicyOf(agent.model), before.agents[index].cell, after.agents[index].cell,
+                agent.memory);
   }
+}
+
+void OpponentModels::InferOrders(const State& before, const State& after, AgentId agent) {
+  const auto index = static_cast<std::size_t>(agent);
+  ModelledAgent& modelled = agents_[index];
+  if (memory_ != ModelMemory::kInferred || modelled.model != OpponentModel::kSimpleUnbiased) return;
+  Action seen = Action::kStop;
+  if (!SeenAction(before, after, agent, seen)) return;
+  const BitBoard visible =
+      game_.view_radius == 0 ? BitBoard::All() : VisibleCells(game_, before.agents[index].cell);
+  orders_[index].Observe({before, game_, agent, visible}, modelled.memory, seen);
+  modelled.traits = orders_[index].traits();
 }
 
 }  // namespace powderkeg

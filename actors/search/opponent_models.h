@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "actors/search/order_inference.h"
 #include "actors/search/search_settings.h"
 #include "common/base/rng.h"
 #include "common/policies/policy.h"
@@ -45,11 +46,13 @@ class OpponentModels {
   }
 
  private:
+  void InferOrders(const State& before, const State& after, AgentId agent);
+
   ModelMemory memory_ = ModelMemory::kSynchronized;
   GameSettings game_;
   AgentId self_ = 0;
   std::array<ModelledAgent, kAgentCount> agents_;
-  Rng rng_;
+  std::array<OrderInference, kAgentCount> orders_;  // used where the memory setting is kInferred
 };
 
 }  // namespace powderkeg

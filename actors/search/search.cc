@@ -52,10 +52,9 @@ void Search::Start(const State& root, const OpponentModels& models, Rng rng) {
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
     if (agent != models.self()) known[static_cast<std::size_t>(agent)] = models.Of(agent);
   }
-  const bool same_players = self_ == models.self() &&
-                            std::ranges::equal(known, models_, [](const auto& a, const auto& b) {
-                              return a.model == b.model && a.traits == b.traits;
-                            });
+  const bool same_players =
+      self_ == models.self() &&
+      std::ranges::equal(known, models_, {}, &ModelledAgent::model, &ModelledAgent::model);
   self_ = models.self();
   models_ = known;
   rng_ = rng;

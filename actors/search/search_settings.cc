@@ -163,11 +163,13 @@ bool SetNumber(const Range& range, std::optional<Number> number, SearchSettings&
 bool SetModels(std::string_view value, SearchSettings& settings) {
   const std::vector<std::string_view> names = Split(value, '/');
   if (names.size() != 1 && names.size() != settings.opponents.size()) return false;
-  for (std::size_t i = 0; i < settings.opponents.size(); ++i) {
+  auto models = settings.opponents;
+  for (std::size_t i = 0; i < models.size(); ++i) {
     const auto index = IndexOf(kModelNames, names[names.size() == 1 ? 0 : i]);
     if (!index) return false;
-    settings.opponents[i] = static_cast<OpponentModel>(*index);
+    models[i] = static_cast<OpponentModel>(*index);
   }
+  settings.opponents = models;
   return true;
 }
 

@@ -1,0 +1,441 @@
+#include "actors/search/search.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+#include "common/pommerman/board_text.h"
+#include "tests/search/search_support.h"
+
+namespace powderkeg {
+namespace {
+
+using testing::Each;
+
+SearchSettings Quiet(int simulations) {
+  SearchSettings settings;
+  settings.simulations = simulations;
+  settings.noise_weight = 0;
+  settings.opponents.fill(OpponentModel::kIdle);
+  return settings;
+}
+
+// --- Known answers, found by looking at everything that agent 0 can do while the others idle -----
+
+// The best outcome for agent 0 within `depth` steps: +1 win, 0 undecided or tie, -1 death.
+int BestOutcome(const GameSettings& game, const State& state, int depth);
+
+int OutcomeAfter(const GameSettings& game, State state, int action, int depth) {
+  const Outcome outcome = Advance(game, {static_cast<Action>(action)}, state);
+  if (outcome.done) return outcome.rewards[0] > 0 ? 1 : outcome.result == Result::kTie ? 0 : -1;
+  if (!state.agents[0].alive) return -1;
+  return depth == 1 ? 0 : BestOutcome(game, state, depth - 1);
+}
+
+int BestOutcome(const GameSettings& game, const State& state, int depth) {
+  const ActionSet legal = LegalActions(state, 0);
+  int best = -1;
+  for (int action = 0; action < kActionCount && best < 1; ++action) {
+    if ((legal >> action & 1) == 0) continue;
+    best = std::max(best, OutcomeAfter(game, state, action, depth));
+  }
+  return best;
+}
+
+std::vector<Action> BestActions(const GameSettings& game, const State& state, int depth) {
+  const ActionSet legal = LegalActions(state, 0);
+  const int best = BestOutcome(game, state, depth);
+  std::vector<Action> actions;
+  for (int action = 0; action < kActionCount; ++action) {
+    if ((legal >> action & 1) == 0) continue;
+    if (OutcomeAfter(game, state, action, depth) == best) {
+      actions.push_back(static_cast<Action>(action));
+    }
+  }
+  return actions;
+}
+
+// The only way out of the blast leads right, then down.
+constexpr std::string_view kEscape = R"(
+    o.0..######
+    ###.#######
+    ###########
+    ###########
+    ###########
+    ###########
+    ###########
+    ###########
+    ###########
+    ###########
+    #########.1
+    bomb (0,0) owner 1 life 2 strength 6
+)";
+
+// Agent 1 sits in a dead end; agent 0 can lock it in with a bomb and walk away.
+constexpr std::string_view kKill = R"(
+    10.....####
+    ###########
+    ###########
+    ###########
+    ###########
+    ###########
+    ###########
+    ###########
+    ###########
+    ###########
+    ###########
+)";
+
+GameSettings EndsAfter(int steps) {
+  GameSettings game;
+  game.max_steps = steps;
+  return game;
+}
+
+TEST(Search, FindsTheOnlyEscape) {
+  const State state = FromText(kEscape);
+  ASSERT_THAT(BestActions({}, state, 4), testing::ElementsAre(Action::kRight));
+  const SearchResult result = SearchOnce(Quiet(100), state);
+  EXPECT_EQ(result.best, Action::kRight);
+  EXPECT_LT(result.values[0], -0.7F) << "to stay is certain death";
+  EXPECT_GT(result.values[4], -0.5F);
+}
+
+TEST(Search, FindsTheOnlyKillBeforeTheStepLimit) {
+  const GameSettings game = EndsAfter(10);
+  const State state = FromText(kKill);
+  ASSERT_THAT(BestActions(game, state, 10), testing::ElementsAre(Action::kBomb));
+  const SearchResult result = SearchOnce(Quiet(5000), state, game);
+  EXPECT_EQ(result.best, Action::kBomb);
+  EXPECT_GT(result.value, 0.5F);
+}
+
+TEST(Search, TwoPlayerSearchFindsAKillThatNoMoveOfTheEnemyAverts) {
+  SearchSettings settings = Quiet(20000);
+  settings.tree = TreeKind::kTwoPlayer;
+  const SearchResult result = SearchOnce(settings, FromText(kKill), EndsAfter(10));
+  EXPECT_EQ(result.best, Action::kBomb);
+  EXPECT_GT(result.value, 0.3F);
+}
+
+TEST(Search, TwoPlayerEnemyEscapesWhereAModelWouldDie) {
+  const State state = FromText(R"(
+    0..........
+    ...........
+    #########..
+    ........#..
+    .......o1..
+    ........#..
+    ########...
+    ...........
+    ...........
+    ...........
+    ...........
+    bomb (4,7) owner 0 life 1 strength 2
+  )");
+  const SearchResult idle = SearchOnce(Quiet(50), state);
+  EXPECT_GT(idle.value, 0.9F);
+  SearchSettings settings = Quiet(500);
+  settings.tree = TreeKind::kTwoPlayer;
+  EXPECT_LT(SearchOnce(settings, state).value, 0.3F);
+}
+
+// --- Ends
+// -----------------------------------------------------------------------------------------
+
+TEST(Search, TieAtTheStepLimitIsWorthTheDrawValue) {
+  SearchSettings settings = Quiet(20);
+  settings.draw_value = -0.25;
+  const State state = FromText(kKill);
+  EXPECT_FLOAT_EQ(SearchOnce(settings, state, EndsAfter(1)).value, -0.25F);
+  settings.step_limit = false;
+  EXPECT_FLOAT_EQ(SearchOnce(settings, state, EndsAfter(1)).value, 0) << "the limit is unknown";
+}
+
+// Agent 0 dies in this step whatever it does; its mate (2) and both enemies live on.
+constexpr std::string_view kDoomed = R"(
+    0o.........
+    ##.........
+    ...........
+    ...........
+    ...........
+    ...........
+    ...........
+    ...........
+    ...........
+    ...........
+    1.........2
+    agent 0 ammo 1 strength 2
+    bomb (0,1) owner 1 life 1 strength 2
+)";
+
+// A constant policy and a value for each viewer.
+class ValueByViewer final : public Evaluator {
+ public:
+  explicit ValueByViewer(std::array<float, kAgentCount> values) : values_(values) {}
+  void Evaluate(const GameSettings&, std::span<const Position> positions,
+                std::span<Evaluation> evaluations) override {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      evaluations[i].policy.fill(1.0F / kActionCount);
+      evaluations[i].value = values_[static_cast<std::size_t>(positions[i].viewer)];
+    }
+  }
+  [[nodiscard]] std::string name() const override { return "value by viewer"; }
+
+ private:
+  std::array<float, kAgentCount> values_;
+};
+
+float RootValue(const SearchSettings& settings, const GameSettings& game, Evaluator& evaluator) {
+  Search search(settings, game);
+  search.Start(FromText(kDoomed), ModelsAtStart(settings, 0, game), Rng(1));
+  return Finish(search, evaluator, game).value;
+}
+
+TEST(Search, OwnDeathIsALossInFreeForAll) {
+  ValueByViewer evaluator({0, 0, 0.75F, 0});
+  EXPECT_FLOAT_EQ(RootValue(Quiet(30), {}, evaluator), -1);
+}
+
+TEST(Search, NetworkJudgesForTheMateAfterOwnDeath) {
+  GameSettings team;
+  team.mode = Mode::kTeam;
+  ValueByViewer evaluator({0, 0, 0.75F, 0});
+  EXPECT_FLOAT_EQ(RootValue(Quiet(30), team, evaluator), 0.75F);
+  SearchSettings published = Quiet(30);
+  published.mate_value_on_death = false;
+  EXPECT_FLOAT_EQ(RootValue(published, team, evaluator), -0.5F);
+}
+
+TEST(Search, ValuesOfAnEnemysViewAreNegated) {
+  SearchSettings settings = Quiet(1);
+  settings.tree = TreeKind::kTwoPlayer;
+  Search search(settings, {});
+  ValueByViewer evaluator({0.25F, 0.5F, 0, 0});
+  search.Start(FromText(kKill), ModelsAtStart(settings, 0), Rng(1));
+  const SearchResult result = Finish(search, evaluator);
+  EXPECT_FLOAT_EQ(result.evaluator_value, 0.25F);
+  EXPECT_FLOAT_EQ(result.values[0], -0.5F) << "one visit: the enemy's ply, agent 1's view";
+}
+
+TEST(Search, ForcedMoveNeedsNoSearch) {
+  const State state = FromText(R"(
+    0#.........
+    ##.........
+    ...........
+    ...........
+    ...........
+    ...........
+    ...........
+    ...........
+    ...........
+    ...........
+    ..........1
+    agent 0 ammo 0 strength 2
+  )");
+  Search search(Quiet(50), {});
+  search.Start(state, ModelsAtStart(Quiet(50), 0), Rng(1));
+  EvaluationBatch batch;
+  EXPECT_FALSE(search.Gather(batch));
+  EXPECT_EQ(batch.size(), 0U);
+  EXPECT_FALSE(search.Result().searched);
+  EXPECT_EQ(search.Result().best, Action::kStop);
+}
+
+// --- Batches and determinism
+// ----------------------------------------------------------------------
+
+TEST(Search, BehavesAsPinned) { EXPECT_EQ(SearchSignature(), 13399098380906494499U); }
+
+TEST(Search, EqualArgumentsGiveEqualResults) {
+  const State state = KnownStart(3);
+  const SearchResult first = SearchOnce({}, state);
+  EXPECT_EQ(first.visits, SearchOnce({}, state).visits);
+  EXPECT_NE(first.visits, SearchOnce({}, state, {}, /*seed=*/2).visits) << "noise differs";
+}
+
+// Runs all searches with a batch for all of them.
+void FinishTogether(std::vector<Search>& searches) {
+  UniformEvaluator evaluator;
+  EvaluationBatch batch;
+  for (;;) {
+    std::vector<Search*> asking;
+    for (Search& search : searches) {
+      if (search.Gather(batch)) asking.push_back(&search);
+    }
+    if (asking.empty()) return;
+    evaluator.Evaluate({}, batch.positions(), batch.AllocateEvaluations());
+    for (Search* search : asking) search->Scatter(batch);
+    batch.Clear();
+  }
+}
+
+TEST(Search, AloneAndInALargeBatchAreTheSame) {
+  for (const TreeKind tree : {TreeKind::kOnePlayer, TreeKind::kTwoPlayer}) {
+    SearchSettings settings;
+    settings.tree = tree;
+    settings.simulations = 60;
+    constexpr std::uint64_t kSearches = 512;
+    std::vector<Search> searches;
+    for (std::uint64_t seed = 0; seed < kSearches; ++seed) {
+      searches.emplace_back(settings, GameSettings{});
+      searches.back().Start(KnownStart(seed), ModelsAtStart(settings, 0), Rng(seed));
+    }
+    FinishTogether(searches);
+    for (std::uint64_t seed = 0; seed < kSearches; ++seed) {
+      ASSERT_EQ(searches[seed].Result().visits,
+                SearchOnce(settings, KnownStart(seed), {}, seed).visits);
+    }
+  }
+}
+
+TEST(Search, SpendsItsSimulations) {
+  const SearchResult result = SearchOnce({}, KnownStart(1));
+  EXPECT_EQ(result.simulations, 250);
+  EXPECT_EQ(std::accumulate(result.visits.begin(), result.visits.end(), 0U), 250U);
+  EXPECT_GT(result.mean_depth, 1);
+  EXPECT_EQ(result.expected_agents, 0b1110);
+}
+
+TEST(Search, SeveralLeavesFillABatch) {
+  SearchSettings settings = Quiet(200);
+  settings.leaves_per_batch = 8;
+  Search search(settings, {});
+  UniformEvaluator evaluator;
+  search.Start(KnownStart(1), ModelsAtStart(settings, 0), Rng(1));
+  EvaluationBatch batch;
+  std::size_t largest = 0;
+  int batches = 0;
+  while (search.Gather(batch)) {
+    largest = std::max(largest, batch.size());
+    ++batches;
+    evaluator.Evaluate({}, batch.positions(), batch.AllocateEvaluations());
+    search.Scatter(batch);
+    batch.Clear();
+  }
+  EXPECT_EQ(largest, 8U);
+  EXPECT_LT(batches, 80);
+  EXPECT_EQ(search.Result().simulations, 200);
+  EXPECT_EQ(search.Result().visits, [&] {
+    auto visits = search.Result().visits;
+    EXPECT_EQ(std::accumulate(visits.begin(), visits.end(), 0U), 200U);
+    return visits;
+  }());
+}
+
+TEST(Search, AnswersBeforeTheEndToo) {
+  Search search(Quiet(1000), {});
+  UniformEvaluator evaluator;
+  search.Start(FromText(kEscape), ModelsAtStart(Quiet(1000), 0), Rng(1));
+  EvaluationBatch batch;
+  for (int i = 0; i < 30 && search.Gather(batch); ++i) {
+    evaluator.Evaluate({}, batch.positions(), batch.AllocateEvaluations());
+    search.Scatter(batch);
+    batch.Clear();
+  }
+  EXPECT_LT(search.Result().simulations, 1000);
+  EXPECT_EQ(search.Result().best, Action::kRight);
+}
+
+TEST(Search, ExploratoryStartsVisitEveryLegalAction) {
+  SearchSettings settings = Quiet(300);
+  settings.exploratory_start = 1;
+  settings.action_filter = false;
+  const SearchResult result = SearchOnce(settings, KnownStart(1));
+  EXPECT_THAT(result.visits, Each(testing::AllOf(testing::Ge(25U), testing::Le(80U))));
+}
+
+TEST(Search, WithoutTheFilterEveryActionIsTried) {
+  SearchSettings settings = Quiet(300);
+  settings.action_filter = false;
+  EXPECT_THAT(SearchOnce(settings, FromText(kEscape)).visits, Each(testing::Ge(1U)));
+}
+
+// --- Tree reuse
+// ------------------------------------------------------------------------------------
+
+TEST(Search, KeepsTheTreeOfWhatItForesaw) {
+  const SearchSettings settings = Quiet(400);
+  Search search(settings, {});
+  UniformEvaluator evaluator;
+  State state = KnownStart(2);
+  const OpponentModels models = ModelsAtStart(settings, 0);
+  search.Start(state, models, Rng(1));
+  const SearchResult first = Finish(search, evaluator);
+  Advance({}, {first.best}, state);
+  search.Start(state, models, Rng(2));
+  const SearchResult second = Finish(search, evaluator);
+  EXPECT_EQ(second.reused_visits,
+            static_cast<int>(first.visits[static_cast<std::size_t>(first.best)]) - 1);
+  EXPECT_EQ(second.simulations, 400);
+  EXPECT_EQ(std::accumulate(second.visits.begin(), second.visits.end(), 0U),
+            400U + static_cast<unsigned>(second.reused_visits));
+}
+
+TEST(Search, StartsAnewWhereItWasSurprised) {
+  const SearchSettings settings = Quiet(400);
+  Search search(settings, {});
+  UniformEvaluator evaluator;
+  State state = KnownStart(2);
+  const OpponentModels models = ModelsAtStart(settings, 0);
+  search.Start(state, models, Rng(1));
+  const SearchResult first = Finish(search, evaluator);
+  Advance({}, {first.best, Action::kBomb}, state);
+  search.Start(state, models, Rng(2));
+  const SearchResult second = Finish(search, evaluator);
+  EXPECT_EQ(second.reused_visits, 0);
+  EXPECT_EQ(second.visits, SearchOnce(settings, state, {}, /*seed=*/2).visits);
+}
+
+// --- Models
+// ----------------------------------------------------------------------------------------
+
+// Every viewer wants to do the action with its own number; records how it was asked.
+class WantsOwnNumber final : public Evaluator {
+ public:
+  void Evaluate(const GameSettings&, std::span<const Position> positions,
+                std::span<Evaluation> evaluations) override {
+    largest_batch = std::max(largest_batch, positions.size());
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      evaluations[i].policy.fill(0);
+      evaluations[i].policy[static_cast<std::size_t>(positions[i].viewer)] = 1;
+      evaluations[i].value = 0;
+    }
+  }
+  [[nodiscard]] std::string name() const override { return "wants own number"; }
+
+  std::size_t largest_batch = 0;
+};
+
+TEST(Search, NetworkModelsActByTheirPolicy) {
+  SearchSettings settings = Quiet(50);
+  settings.opponents.fill(OpponentModel::kRawNetwork);
+  const State state = FromText(R"(
+    0..........
+    ...........
+    ...........
+    .....1.....
+    ...........
+    ...........
+    ...........
+    ..3.....2..
+    ...........
+    ...........
+    ...........
+  )");
+  Search search(settings, {});
+  WantsOwnNumber evaluator;
+  search.Start(state, ModelsAtStart(settings, 0), Rng(1));
+  const SearchResult result = Finish(search, evaluator);
+  EXPECT_THAT(result.expected_actions,
+              testing::ElementsAre(Action::kStop, Action::kUp, Action::kDown, Action::kLeft));
+  EXPECT_EQ(result.expected_agents, 0b1110);
+  EXPECT_EQ(evaluator.largest_batch, 3U) << "the models of a node are asked together";
+  EXPECT_EQ(result.simulations, 50);
+}
+
+}  // namespace
+}  // namespace powderkeg

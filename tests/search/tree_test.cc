@@ -1,0 +1,152 @@
+#include "actors/search/tree.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/base/rng.h"
+
+namespace powderkeg {
+namespace {
+
+constexpr std::array<float, kActionCount> kPolicy = {0.1F, 0.3F, 0.2F, 0.2F, 0.15F, 0.05F};
+constexpr ActionSet kAll = 0b111111;
+
+// A tree whose root has edges.
+Tree TreeWithRoot(const SearchSettings& settings, ActionSet legal, float side = 1) {
+  Tree tree(settings);
+  tree.Clear(100);
+  Node& root = tree[tree.Add(kNoNode, Action::kStop)];
+  root.side = side;
+  tree.SetEdges(root, legal, kPolicy);
+  return tree;
+}
+
+void Simulate(Tree& tree, NodeIndex node, Action action, float value) {
+  Tree::Visit(tree[node], action);
+  NodeIndex child = tree[node].child[static_cast<std::size_t>(action)];
+  if (child == kNoNode) {
+    child = tree.Add(node, action);
+    tree[child].side = 1;
+    tree.SetEdges(tree[child], kAll, kPolicy);
+  }
+  tree.BackUp(child, value);
+}
+
+// The formula of tree.h, written out.
+Action Expected(const SearchSettings& settings, const Node& node) {
+  double n = 0;
+  for (const std::uint32_t visits : node.visits) n += visits;
+  const double c =
+      settings.c_puct_init + std::log((n + settings.c_puct_base + 1) / settings.c_puct_base);
+  int best = -1;
+  double best_score = 0;
+  for (int action = 0; action < kActionCount; ++action) {
+    const auto a = static_cast<std::size_t>(action);
+    if ((node.legal >> action & 1) == 0) continue;
+    const double q = node.side * node.value[a];
+    const double score =
+        q + c * node.prior[a] * std::sqrt(std::max(n, 1.0)) / (1.0 + node.visits[a]);
+    if (best < 0 || score > best_score + 1e-6) {
+      best = action;
+      best_score = score;
+    }
+  }
+  return static_cast<Action>(best);
+}
+
+TEST(Tree, SelectsByTheFormula) {
+  const SearchSettings settings;
+  for (const float side : {1.0F, -1.0F}) {
+    Tree tree = TreeWithRoot(settings, kAll, side);
+    Rng rng(5);
+    for (int i = 0; i < 90; ++i) {
+      const Action action = tree.Select(tree[0]);
+      ASSERT_EQ(action, Expected(settings, tree[0])) << "simulation " << i;
+      Simulate(tree, 0, action, static_cast<float>(2 * rng.Uniform() - 1));
+    }
+  }
+}
+
+TEST(Tree, FirstChoiceFollowsThePrior) {
+  const Tree tree = TreeWithRoot({}, kAll);
+  EXPECT_EQ(tree.Select(tree[0]), Action::kUp);
+}
+
+TEST(Tree, TiesGoToTheLowestAction) {
+  Tree tree = TreeWithRoot({}, kAll);
+  constexpr std::array<float, kActionCount> kEven = {0, 0.25F, 0.25F, 0.25F, 0.25F, 0};
+  tree.SetEdges(tree[0], kAll, kEven);
+  EXPECT_EQ(tree.Select(tree[0]), Action::kUp);
+}
+
+TEST(Tree, IllegalActionsAreNeverSelected) {
+  for (const float side : {1.0F, -1.0F}) {
+    Tree tree = TreeWithRoot({}, 0b100001, side);
+    for (int i = 0; i < 50; ++i) {
+      const Action action = tree.Select(tree[0]);
+      ASSERT_TRUE(action == Action::kStop || action == Action::kBomb);
+      Simulate(tree, 0, action, -side);
+    }
+    EXPECT_EQ(tree[0].prior[1], 0);
+  }
+}
+
+TEST(Tree, RenormalisesPriorsWhereAsked) {
+  SearchSettings settings;
+  settings.renormalise_priors = true;
+  const Tree tree = TreeWithRoot(settings, 0b000011);
+  EXPECT_FLOAT_EQ(tree[0].prior[0], 0.25F);
+  EXPECT_FLOAT_EQ(tree[0].prior[1], 0.75F);
+}
+
+TEST(Tree, BackUpAveragesAlongThePath) {
+  Tree tree = TreeWithRoot({}, kAll);
+  Simulate(tree, 0, Action::kUp, 0.5F);
+  const NodeIndex child = tree[0].child[1];
+  for (const float value : {-1.0F, 1.0F, 1.0F}) {
+    Tree::Visit(tree[0], Action::kUp);
+    Simulate(tree, child, Action::kLeft, value);
+  }
+  EXPECT_EQ(tree[0].visits[1], 4U);
+  EXPECT_FLOAT_EQ(tree[0].value[1], 0.375F);
+  EXPECT_EQ(tree[child].visits[3], 3U);
+  EXPECT_FLOAT_EQ(tree[child].value[3], 1 / 3.0F);
+}
+
+TEST(Tree, UndoTakesVisitsBack) {
+  Tree tree = TreeWithRoot({}, kAll);
+  Simulate(tree, 0, Action::kUp, 0.5F);
+  const Node before = tree[0];
+  Tree::Visit(tree[0], Action::kUp);
+  tree.Undo(before.child[1]);
+  EXPECT_EQ(tree[0].visits, before.visits);
+  EXPECT_EQ(tree[0].urge, before.urge);
+  EXPECT_EQ(tree[0].visit_count, before.visit_count);
+}
+
+TEST(Tree, KeepMakesASubtreeTheTree) {
+  Tree tree = TreeWithRoot({}, kAll);
+  Simulate(tree, 0, Action::kStop, 0);
+  Simulate(tree, 0, Action::kUp, 0);
+  const NodeIndex kept = tree[0].child[1];
+  Simulate(tree, tree[0].child[0], Action::kUp, 0);
+  Simulate(tree, kept, Action::kBomb, 0.25F);
+  Simulate(tree, kept, Action::kLeft, -0.25F);
+  Simulate(tree, tree[kept].child[3], Action::kRight, 0.75F);
+
+  tree.Keep(kept, 10);
+
+  ASSERT_EQ(tree.size(), 4);
+  EXPECT_EQ(tree[0].parent, kNoNode);
+  EXPECT_EQ(tree[0].visit_count, 2U);
+  const NodeIndex bomb = tree[0].child[5];
+  const NodeIndex left = tree[0].child[3];
+  EXPECT_EQ(tree[bomb].parent, 0);
+  EXPECT_EQ(tree[left].parent, 0);
+  EXPECT_EQ(tree[tree[left].child[4]].parent, left);
+  EXPECT_FLOAT_EQ(tree[left].value[4], 0.75F);
+}
+
+}  // namespace
+}  // namespace powderkeg
