@@ -156,11 +156,14 @@ Match PlayMatch(const Lineup& lineup, const MatchSettings& settings, const Model
   CHECK(settings.threads > 0 && settings.games > 0, settings.threads, " ", settings.games);
   const Clock::time_point start = Clock::now();
   Scoreboard scoreboard(settings.games, on_game);
+  std::vector<std::unique_ptr<MatchThread>> threads;
+  for (int i = 0; i < settings.threads; ++i) {
+    threads.push_back(std::make_unique<MatchThread>(lineup, settings, loader, scoreboard));
+  }
   std::vector<std::unique_ptr<Worker>> workers;
   for (int i = 0; i < settings.threads; ++i) {
-    workers.push_back(std::make_unique<Worker>(StrCat("arena ", i), [&](const auto& stop) {
-      MatchThread(lineup, settings, loader, scoreboard).Run(stop);
-    }));
+    workers.push_back(std::make_unique<Worker>(
+        StrCat("arena ", i), [&thread = *threads[i]](const auto& stop) { thread.Run(stop); }));
   }
   for (const std::unique_ptr<Worker>& worker : workers) worker->Join();
   Match match = scoreboard.TakeMatch();

@@ -22,7 +22,7 @@ namespace powderkeg {
 using Lineup = std::array<AgentDescription, kAgentCount>;
 
 struct MatchSettings {
-  GameSettings game;
+  GameSettings game = {};
   StartSettings start{BoardGenerator::kOfficial, StartCorners::kPermuted};
   std::uint64_t seed = 1;  // of the boards and of everybody's choices
   int games = 100;

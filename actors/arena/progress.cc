@@ -1,5 +1,6 @@
 #include "actors/arena/progress.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <utility>
@@ -12,8 +13,11 @@ using namespace std::chrono_literals;
 constexpr int kBarWidth = 24;
 
 std::string Bar(int done, int total) {
-  const auto filled = static_cast<std::size_t>(kBarWidth * done / total);
-  return "[" + std::string(filled, '=') + std::string(kBarWidth - filled, ' ') + "]";
+  std::string bar(kBarWidth + 2, ' ');
+  std::fill_n(bar.begin() + 1, kBarWidth * done / total, '=');
+  bar.front() = '[';
+  bar.back() = ']';
+  return bar;
 }
 
 }  // namespace

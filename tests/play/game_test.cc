@@ -1,0 +1,185 @@
+#include "actors/play/game.h"
+
+#include <gtest/gtest.h>
+
+#include "actors/play/plain_agents.h"
+#include "common/pommerman/step.h"
+#include "tests/play/support.h"
+
+namespace powderkeg {
+namespace {
+
+std::array<Seat, kAgentCount> FourOf(Seat seat) { return {seat, seat, seat, seat}; }
+
+GamePlan PlanOfSeats(std::array<Seat, kAgentCount> seats, std::uint64_t seed,
+                     const GameSettings& settings = {}) {
+  GamePlan plan;
+  plan.setup = SetupOfSeats(seats, seed, settings);
+  return plan;
+}
+
+// The loop a reader would write down from the rules.
+std::vector<JointAction> StepDirectly(const GameSetup& setup, State& state) {
+  std::array<RuleBasedSeat, kAgentCount> seats;
+  for (AgentId seat = 0; seat < kAgentCount; ++seat) seats[seat] = RuleBasedSeat(setup, seat);
+  state = GenerateStart(setup.settings, setup.start, BoardRng(setup));
+  std::vector<JointAction> actions;
+  while (!OutcomeOf(setup.settings, state).done) {
+    JointAction& joint = actions.emplace_back();
+    for (AgentId seat = 0; seat < kAgentCount; ++seat) {
+      if (state.agents[seat].alive) joint[seat] = seats[seat].Decide(setup.settings, state);
+    }
+    Step(setup.settings, joint, state);
+  }
+  return actions;
+}
+
+TEST(Game, OfRuleBasedSeatsEqualsDirectStepping) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const GamePlan plan = PlanOfSeats(FourOf(kSimpleUnbiasedSeat), seed);
+    Game game;
+    EvaluationBatches batches;
+    game.Start(plan);
+    ASSERT_FALSE(game.Gather(batches));
+    State state;
+    EXPECT_EQ(game.record().actions, StepDirectly(plan.setup, state)) << "seed " << seed;
+    EXPECT_EQ(game.state(), state);
+    EXPECT_EQ(game.record().outcome, OutcomeOf(plan.setup.settings, state));
+    EXPECT_EQ(Verify(game.record()), std::nullopt);
+    EXPECT_EQ(batches.size(), 0u);
+  }
+}
+
+// Observation, belief and agent together find what the verifiable seat finds on the true position.
+TEST(Game, RuleBasedAgentPlaysAsTheRuleBasedSeat) {
+  for (const PolicyKind policy : {PolicyKind::kSimpleUnbiased, PolicyKind::kOfficialSimple}) {
+    for (std::uint64_t seed = 0; seed < 5; ++seed) {
+      const Seat seat = {.searches = false, .policy = policy};
+      const GamePlan plan = PlanOfSeats(FourOf(seat), seed);
+      const GameRecord record = PlayGame(plan);
+      RuleBasedAgent agent(policy);
+      agent.StartGame(plan.setup.settings, /*self=*/2, SeatRng(plan.setup, 2));
+      State state = GenerateStart(plan.setup.settings, plan.setup.start, BoardRng(plan.setup));
+      for (const JointAction& actions : record.actions) {
+        if (!state.agents[2].alive) break;
+        agent.Begin(Observe(plan.setup.settings, state, 2));
+        ASSERT_EQ(agent.action(), actions[2]) << "seed " << seed << " step " << state.step;
+        Step(plan.setup.settings, actions, state);
+      }
+    }
+  }
+}
+
+class GameOfEveryMode : public testing::TestWithParam<const char*> {};
+
+// Agents that see observations and rule-based seats, fog, teams and collapsing boards.
+TEST_P(GameOfEveryMode, PassesVerify) {
+  const GameSettings settings = GameSettingsFor(GetParam()).value();
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    GamePlan plan = PlanOfSeats({kSimpleUnbiasedSeat, kSearching, kSimpleUnbiasedSeat, kSearching},
+                                seed, settings);
+    AskingAgent first(/*questions=*/2);
+    AskingAgent second(/*questions=*/3);
+    const Model model{std::make_shared<UniformEvaluator>(), /*weights_version=*/7};
+    plan.players[1] = {&first, model};
+    plan.players[3] = {&second, model};
+    const GameRecord record = PlayGame(plan);
+    EXPECT_EQ(Verify(record), std::nullopt) << GetParam() << " seed " << seed;
+    EXPECT_TRUE(record.outcome.done);
+    EXPECT_EQ(record.weights_version, 7u);
+    EXPECT_EQ(record.evaluator, "uniform");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Environments, GameOfEveryMode,
+                         testing::Values("PommeFFACompetition-v0", "PommeFFA-v1",
+                                         "PommeTeamCompetition-v0", "PommeTeamCompetition-v1",
+                                         "PommeRadioCompetition-v2"));
+
+TEST(Game, EndsWithTheLastSearchersDeathWhereThePlanSaysSo) {
+  int early = 0;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    GamePlan plan = PlanOfSeats(
+        {kSearching, kSimpleUnbiasedSeat, kSimpleUnbiasedSeat, kSimpleUnbiasedSeat}, seed);
+    plan.end = GamePlan::End::kLastSearchDeath;
+    AskingAgent agent(/*questions=*/0);  // plays at random: blows itself up
+    plan.players[0] = {&agent, {std::make_shared<UniformEvaluator>(), 0}};
+    const GameRecord record = PlayGame(plan);
+    EXPECT_EQ(Verify(record), std::nullopt);
+    EXPECT_EQ(record.decisions.size(), record.actions.size());
+    if (record.outcome.done) continue;
+    ++early;
+    EXPECT_EQ(OutcomeFor(record, 0), -1);
+  }
+  EXPECT_GT(early, 5);
+}
+
+TEST(Game, OfRuleBasedSeatsIsPlayedOutWhateverThePlanSays) {
+  GamePlan plan = PlanOfSeats(FourOf(kSimpleUnbiasedSeat), /*seed=*/3);
+  plan.end = GamePlan::End::kLastSearchDeath;
+  EXPECT_TRUE(PlayGame(plan).outcome.done);
+}
+
+TEST(Game, AsksEachSeatsOwnEvaluator) {
+  GamePlan plan = PlanOfSeats({kSearching, kSearching, {}, {}}, /*seed=*/1);
+  AskingAgent first(/*questions=*/1);
+  AskingAgent second(/*questions=*/2);
+  plan.players[0] = {&first, {std::make_shared<ConstantEvaluator>(0.25F), 3}};
+  plan.players[1] = {&second, {std::make_shared<ConstantEvaluator>(-0.5F), 4}};
+  for (const Decision& decision : PlayGame(plan).decisions) {
+    EXPECT_EQ(decision.value, decision.agent == 0 ? 0.25F : -0.5F);
+    EXPECT_EQ(decision.weights_version, decision.agent == 0 ? 3u : 4u);
+  }
+}
+
+TEST(Game, SetModelAnswersFromThenOn) {
+  GamePlan plan = PlanOfSeats({kSearching, {}, {}, {}}, /*seed=*/1);
+  AskingAgent agent(/*questions=*/1);
+  plan.players[0] = {&agent, {std::make_shared<ConstantEvaluator>(0.25F), 3}};
+  Game game;
+  EvaluationBatches batches;
+  game.Start(plan);
+  for (int round = 0; game.Gather(batches); ++round) {
+    batches.Evaluate(plan.setup.settings);
+    game.Scatter(batches);
+    batches.Clear();
+    if (round == 1) game.SetModel({std::make_shared<ConstantEvaluator>(0.75F), 4});
+  }
+  const GameRecord& record = game.record();
+  ASSERT_GT(record.decisions.size(), 3u);
+  EXPECT_EQ(record.weights_version, 3u);
+  EXPECT_EQ(record.decisions[0].weights_version, 3u);
+  EXPECT_EQ(record.decisions[0].value, 0.25F);
+  EXPECT_EQ(record.decisions[2].weights_version, 4u);
+  EXPECT_EQ(record.decisions[2].value, 0.75F);
+}
+
+TEST(Game, CountsWhatHappenedAtASeat) {
+  const GamePlan plan = PlanOfSeats(FourOf(kSimpleUnbiasedSeat), /*seed=*/5);
+  Game game;
+  EvaluationBatches batches;
+  game.Start(plan);
+  ASSERT_FALSE(game.Gather(batches));
+  State state = GenerateStart(plan.setup.settings, plan.setup.start, BoardRng(plan.setup));
+  std::array<SeatStatistics, kAgentCount> expected{};
+  for (const JointAction& actions : game.record().actions) {
+    for (AgentId seat = 0; seat < kAgentCount; ++seat) {
+      if (!state.agents[seat].alive) continue;
+      ++expected[seat].moves;
+      ++expected[seat].actions[static_cast<std::size_t>(actions[seat])];
+    }
+    Step(plan.setup.settings, actions, state);
+  }
+  for (AgentId seat = 0; seat < kAgentCount; ++seat) {
+    EXPECT_EQ(game.statistics(seat).moves, expected[seat].moves);
+    EXPECT_EQ(game.statistics(seat).actions, expected[seat].actions);
+  }
+}
+
+TEST(Game, RefusesASearchingSeatWithoutAnAgent) {
+  Game game;
+  EXPECT_DEATH(game.Start(PlanOfSeats({kSearching, {}, {}, {}}, /*seed=*/1)), "seat 0");
+}
+
+}  // namespace
+}  // namespace powderkeg
