@@ -1,0 +1,33 @@
+#pragma once
+
+// Samples as the arrays that one training step reads.
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "common/base/rng.h"
+#include "common/pommerman/game_settings.h"
+#include "learner/replay/samples.h"
+
+namespace powderkeg {
+
+// Row-major arrays; the memory is kept between batches. A value.
+struct TrainingBatch {
+  std::size_t size = 0;
+  std::vector<float> planes;    // [size, 23, 11, 11]
+  std::vector<float> policies;  // [size, 6], each row a distribution
+  std::vector<float> values;    // [size], -1, 0 or +1: the outcome for the viewer
+};
+
+// pi' = (1 - weight) pi + weight onehot(argmax pi), where pi is the visits' distribution; the
+// smallest of equal actions counts as the largest. Requires visits that are not all 0.
+[[nodiscard]] std::array<float, kActionCount> PolicyTarget(
+    const std::array<std::uint16_t, kActionCount>& visits, double argmax_weight);
+
+// Fills `batch` with the samples, each turned by its own random symmetry of the square (boards
+// smaller than 11x11 stay as they are).
+void BuildBatch(const GameSettings& settings, double argmax_weight,
+                std::span<const Sample* const> samples, Rng& rng, TrainingBatch& batch);
+
+}  // namespace powderkeg

@@ -1,0 +1,242 @@
+#include "learner/train/learner_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/base/log.h"
+#include "learner/replay/durable_file.h"
+
+namespace powderkeg {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kWaitLogInterval = std::chrono::seconds(10);
+constexpr auto kTrainLogInterval = std::chrono::seconds(30);
+
+// Purposes of the generators split from the run's seed: iteration k uses k.
+constexpr std::uint64_t kInitialWeights = 0;
+
+// Data sets held back for training while the loop trains, before Full.
+constexpr std::uint64_t kDataSetsAhead = 2;
+
+Schedule MakeSchedule(const TrainingConfig& training, std::vector<TicketRange> data_sets) {
+  return {training.iterations, static_cast<std::uint64_t>(training.decisions_per_iteration),
+          training.window_datasets, std::move(data_sets)};
+}
+
+// The weights that a new run starts from.
+TrainerState InitialState(const LearnerLoopSettings& settings) {
+  TrainerState state;
+  if (settings.initial_weights) {
+    state.weights = *settings.initial_weights;
+    state.weights.canary = {};
+  } else {
+    state.weights = InitialWeights(NetworkByName(settings.training.network),
+                                   Rng(settings.seed).Split(kInitialWeights));
+  }
+  state.weights.version = 1;
+  return state;
+}
+
+IterationReport MakeReport(int iteration, const PlaySummary& play, const TrainingResult& training) {
+  const double games = std::max(1.0, static_cast<double>(play.games));
+  IterationReport report;
+  report.iteration = iteration;
+  report.games = play.games;
+  report.decisions = play.decisions;
+  report.score = play.score;
+  report.mean_steps = static_cast<double>(play.steps) / games;
+  for (std::size_t i = 0; i < play.actions.size(); ++i) {
+    report.action_shares[i] =
+        static_cast<double>(play.actions[i]) / std::max(1.0, static_cast<double>(play.decisions));
+  }
+  report.weights_lag = iteration - static_cast<double>(play.weights_versions) / games;
+  report.total_loss = training.total_loss;
+  report.policy_loss = training.policy_loss;
+  report.value_loss = training.value_loss;
+  report.policy_accuracy = training.policy_accuracy;
+  report.samples_per_s = training.samples_per_s;
+  return report;
+}
+
+}  // namespace
+
+// Says at intervals what the loop waits for.
+class LearnerLoop::WaitLog {
+ public:
+  explicit WaitLog(const TicketPrefix::Progress& progress)
+      : last_(progress.decisions), last_time_(Clock::now()) {}
+
+  void Update(int iteration, const TicketPrefix::Progress& progress, std::uint64_t wanted) {
+    const Clock::time_point now = Clock::now();
+    if (now - last_time_ < kWaitLogInterval) return;
+    const double rate =
+        static_cast<double>(progress.decisions - last_) / Seconds(now - last_time_).count();
+    last_ = progress.decisions;
+    last_time_ = now;
+    const std::uint64_t have = std::min(progress.decisions_in_prefix, wanted);
+    const std::string left =
+        rate > 0 ? StrCat(std::llround(static_cast<double>(wanted - have) / rate)) : "unknown";
+    const std::string straggler = progress.straggler ? StrCat(*progress.straggler) : "none";
+    log::Info("waiting for games", "iteration", iteration, "have", have, "of", wanted, "ahead",
+              progress.decisions - have, "per_s", std::llround(rate), "left_s", left,
+              "missing_ticket", straggler);
+  }
+
+ private:
+  std::uint64_t last_;
+  Clock::time_point last_time_;
+};
+
+LearnerLoop::LearnerLoop(LearnerLoopSettings settings, LearnerLoopHooks hooks)
+    : settings_(std::move(settings)),
+      hooks_(std::move(hooks)),
+      checkpoints_(settings_.folder / "checkpoints", settings_.training.checkpoints_kept),
+      window_(settings_.training.window_datasets, settings_.window_bytes),
+      schedule_(MakeSchedule(settings_.training, {})) {
+  PrepareFolder(settings_.folder / "weights");
+  TrainerState state;
+  if (std::optional<Checkpoint> checkpoint = checkpoints_.LoadNewest()) {
+    log::Info("resuming", "iterations_done", checkpoint->iteration(), "samples_seen",
+              checkpoint->trainer.samples_seen);
+    schedule_ = MakeSchedule(settings_.training, std::move(checkpoint->data_sets));
+    state = std::move(checkpoint->trainer);
+  } else {
+    state = InitialState(settings_);
+  }
+  version_ = state.weights.version;
+  trainer_ = std::make_unique<Trainer>(
+      TrainerSettings{settings_.training, settings_.game, settings_.precision}, state);
+  csv_.emplace(settings_.folder / "iterations.csv", schedule_.iteration() + 1);
+}
+
+LearnerLoop::~LearnerLoop() = default;
+
+void LearnerLoop::Add(GameRecord&& game) {
+  const std::lock_guard lock(mutex_);
+  const auto decisions = static_cast<std::uint32_t>(game.decisions.size());
+  const Schedule::Use use = schedule_.Add(game.ticket, decisions);
+  if (use == Schedule::Use::kNone || (use == Schedule::Use::kWindow && window_restored_)) return;
+  games_.emplace(game.ticket, std::move(game));
+  games_added_.notify_all();
+}
+
+bool LearnerLoop::Full() const {
+  const std::lock_guard lock(mutex_);
+  return schedule_.finished() ||
+         schedule_.progress().decisions >= kDataSetsAhead * schedule_.decisions_per_iteration();
+}
+
+LearnerLoop::Progress LearnerLoop::progress() const {
+  const std::lock_guard lock(mutex_);
+  return {.iteration = static_cast<int>(version_) - 1,
+          .games = schedule_.progress(),
+          .decisions_wanted = schedule_.decisions_per_iteration(),
+          .training = training_progress_};
+}
+
+void LearnerLoop::Run(const std::stop_token& stop) {
+  log::Info("training", "device", trainer_->description(), "network", settings_.training.network);
+  RestoreWindow();
+  if (version_ > 1 || settings_.initial_weights) Publish(trainer_->state(version_));
+  log::Info(TableHeader());
+  while (!stop.stop_requested() && !schedule_.finished()) {
+    const Clock::time_point start = Clock::now();
+    const auto games = NextGames(stop);
+    if (!games || !RunIteration(*games, Clock::now() - start, stop)) return;
+  }
+}
+
+void LearnerLoop::RestoreWindow() {
+  const std::lock_guard lock(mutex_);
+  for (const TicketRange& range : schedule_.WindowOfNext()) {
+    DataSet data_set;
+    for (const GameRecord& game : TakeGames(range)) AddGame(game, data_set);
+    window_.Push(std::move(data_set.samples));
+  }
+  window_restored_ = true;
+}
+
+std::vector<GameRecord> LearnerLoop::TakeGames(const TicketRange& range) {
+  std::vector<GameRecord> games;
+  for (std::uint64_t ticket = range.first; ticket <= range.last; ++ticket) {
+    auto game = games_.extract(ticket);
+    if (game.empty()) {
+      throw Error(StrCat("the game of ticket ", ticket,
+                         " belongs to an iteration of the checkpoint but is not in the store"));
+    }
+    games.push_back(std::move(game.mapped()));
+  }
+  return games;
+}
+
+std::optional<std::vector<GameRecord>> LearnerLoop::NextGames(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  WaitLog wait_log(schedule_.progress());
+  while (!stop.stop_requested()) {
+    if (const auto range = schedule_.StartIteration()) return TakeGames(*range);
+    const std::uint64_t wanted = schedule_.decisions_per_iteration();
+    games_added_.wait_for(lock, stop, kWaitLogInterval,
+                          [&] { return schedule_.progress().decisions_in_prefix >= wanted; });
+    wait_log.Update(schedule_.iteration() + 1, schedule_.progress(), wanted);
+  }
+  return std::nullopt;
+}
+
+bool LearnerLoop::RunIteration(const std::vector<GameRecord>& games, Seconds waited,
+                               const std::stop_token& stop) {
+  const Clock::time_point start = Clock::now();
+  const int iteration = schedule_.iteration();
+  DataSet data_set;
+  for (const GameRecord& game : games) AddGame(game, data_set);
+  window_.Push(std::move(data_set.samples));
+  const TrainingResult result = Train(iteration, stop);
+  if (!result.finished) return false;
+
+  IterationReport report = MakeReport(iteration, data_set.summary, result);
+  report.waited_s = waited.count();
+  report.trained_s = Seconds(Clock::now() - start).count();
+  csv_->Append(report);
+  const TrainerState state = trainer_->state(version_ + 1);
+  checkpoints_.Save({.data_sets = schedule_.data_sets(), .trainer = state});
+  {
+    const std::lock_guard lock(mutex_);
+    ++version_;
+    training_progress_ = {};
+  }
+  Publish(state);
+  log::Info(TableLine(report));
+  hooks_.iteration_done(report);
+  return true;
+}
+
+TrainingResult LearnerLoop::Train(int iteration, const std::stop_token& stop) {
+  Clock::time_point last_log = Clock::now();
+  const auto show_progress = [&](const TrainingProgress& progress) {
+    {
+      const std::lock_guard lock(mutex_);
+      training_progress_ = progress;
+    }
+    if (Clock::now() - last_log < kTrainLogInterval) return;
+    last_log = Clock::now();
+    log::Info("training", "iteration", iteration, "samples", progress.samples_done, "of",
+              progress.samples);
+  };
+  const Rng rng = Rng(settings_.seed).Split(static_cast<std::uint64_t>(iteration));
+  return trainer_->Train(window_, rng, stop, show_progress);
+}
+
+void LearnerLoop::Publish(const TrainerState& state) {
+  const Snapshot snapshot = MakePublishedSnapshot(state, window_);
+  std::ostringstream name;
+  name << "version-" << std::setw(6) << std::setfill('0') << snapshot->version << ".weights";
+  SaveSnapshot(*snapshot, (settings_.folder / "weights" / name.str()).string());
+  hooks_.publish(snapshot);
+}
+
+}  // namespace powderkeg

@@ -1,0 +1,125 @@
+#pragma once
+
+// The training side of the learner: games in, weights out, iteration after iteration.
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "common/config/run_config.h"
+#include "common/model/weights_snapshot.h"
+#include "learner/replay/samples.h"
+#include "learner/replay/window.h"
+#include "learner/report/iteration_table.h"
+#include "learner/train/checkpoint.h"
+#include "learner/train/schedule.h"
+#include "learner/train/trainer.h"
+
+namespace powderkeg {
+
+struct LearnerLoopSettings {
+  TrainingConfig training;
+  GameSettings game;             // of every game of the run
+  std::filesystem::path folder;  // runs/<name>; holds checkpoints/, weights/, iterations.csv
+  std::uint64_t seed = 1;        // of the initial weights, the order of samples, the symmetries
+  Snapshot initial_weights;      // nullptr: untrained ones of training.network
+  std::optional<Precision> precision;  // see TrainerSettings
+  std::size_t window_bytes = std::size_t{8} << 30;
+};
+
+// Both are called on the thread of Run.
+struct LearnerLoopHooks {
+  // New weights for the actors: once at the start of Run if there are any, then per iteration.
+  std::function<void(const Snapshot&)> publish = [](const Snapshot&) {};
+  // After an iteration is complete and durable: a good moment to have the store merged (by the
+  // store's own thread).
+  std::function<void(const IterationReport&)> iteration_done = [](const IterationReport&) {};
+};
+
+// Weights versions: 0 stands for no network (actors use the uniform evaluator); 1 for the weights
+// before the first iteration, which are published only if they were given; k + 1 for those after
+// iteration k.
+//
+// How to wire it:
+//   LearnerLoop loop(settings, hooks);                      // resumes from the newest checkpoint
+//   store.Load([&](GameRecord&& game) {                     // every game stored so far, once
+//     intake.MarkDone(game.ticket);
+//     loop.Add(std::move(game));
+//   });
+//   intake.on_durable = [&](GameRecord&& game) { loop.Add(std::move(game)); };
+//   Worker trainer("trainer", [&](const std::stop_token& stop) { loop.Run(stop); });
+// and hand out tickets only while !loop.Full().
+//
+// A kill at any moment repeats at most the iteration in progress, on the same games: its data set
+// follows from the checkpoint and the store. Add, Full and progress are thread-safe; Run is for one
+// thread.
+class LearnerLoop {
+ public:
+  // Throws Error if the run cannot be resumed or the settings are invalid.
+  LearnerLoop(LearnerLoopSettings settings, LearnerLoopHooks hooks);
+  ~LearnerLoop();
+  LearnerLoop(const LearnerLoop&) = delete;
+  LearnerLoop& operator=(const LearnerLoop&) = delete;
+
+  // A verified game that is durable. Doubles and games of finished iterations are ignored. Does not
+  // wait, not even while training.
+  void Add(GameRecord&& game);
+
+  // Whether the games at hand suffice for the next two data sets, or no iteration is left: more
+  // would only age. Tickets of games that were lost must be handed out again even so.
+  [[nodiscard]] bool Full() const;
+
+  // Runs until every iteration is done or a stop is requested (an iteration in training is then
+  // given up, to be repeated after the restart). Throws Error. Call it once, after the stored games
+  // were added.
+  void Run(const std::stop_token& stop);
+
+  struct Progress {
+    int iteration = 0;  // completed ones
+    TicketPrefix::Progress games;
+    std::uint64_t decisions_wanted = 0;
+    TrainingProgress training;  // of the iteration in progress; 0 of 0 while waiting
+  };
+  [[nodiscard]] Progress progress() const;
+
+ private:
+  using Seconds = std::chrono::duration<double>;
+  class WaitLog;
+
+  void RestoreWindow();
+  // Waits for the games of the next data set; nullopt if stopped.
+  [[nodiscard]] std::optional<std::vector<GameRecord>> NextGames(const std::stop_token& stop);
+  [[nodiscard]] std::vector<GameRecord> TakeGames(const TicketRange& range);
+  // One iteration with the games of its data set; false if stopped.
+  bool RunIteration(const std::vector<GameRecord>& games, Seconds waited,
+                    const std::stop_token& stop);
+  [[nodiscard]] TrainingResult Train(int iteration, const std::stop_token& stop);
+  void Publish(const TrainerState& state);
+
+  const LearnerLoopSettings settings_;
+  const LearnerLoopHooks hooks_;
+  CheckpointFolder checkpoints_;
+  std::uint32_t version_ = 1;  // of the trainer's weights
+  std::unique_ptr<Trainer> trainer_;
+  ReplayWindow window_;
+  std::optional<IterationCsv> csv_;
+
+  mutable std::mutex mutex_;  // guards what follows
+  std::condition_variable_any games_added_;
+  Schedule schedule_;                          // iterations are started by the thread of Run alone
+  std::map<std::uint64_t, GameRecord> games_;  // by ticket: of the next data sets, and, until the
+                                               // window is restored, of the completed ones in it
+  bool window_restored_ = false;
+  TrainingProgress training_progress_;
+};
+
+}  // namespace powderkeg

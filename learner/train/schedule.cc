@@ -1,0 +1,41 @@
+#include "learner/train/schedule.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/base/check.h"
+
+namespace powderkeg {
+
+Schedule::Schedule(int iterations, std::uint64_t decisions_per_iteration, int window_data_sets,
+                   std::vector<TicketRange> data_sets)
+    : iterations_(iterations),
+      decisions_(decisions_per_iteration),
+      window_data_sets_(static_cast<std::size_t>(window_data_sets)),
+      data_sets_(std::move(data_sets)),
+      prefix_(data_sets_.empty() ? 0 : data_sets_.back().last + 1) {
+  CHECK(iterations > 0 && decisions_per_iteration > 0 && window_data_sets > 0);
+}
+
+Schedule::Use Schedule::Add(std::uint64_t ticket, std::uint32_t decisions) {
+  if (ticket >= prefix_.next_ticket()) {
+    return prefix_.Add(ticket, decisions) ? Use::kNextDataSets : Use::kNone;
+  }
+  const bool in_window = std::ranges::any_of(
+      WindowOfNext(), [&](const TicketRange& range) { return range.Has(ticket); });
+  return in_window ? Use::kWindow : Use::kNone;
+}
+
+std::optional<TicketRange> Schedule::StartIteration() {
+  if (finished()) return std::nullopt;
+  const auto range = prefix_.NextDataSet(decisions_);
+  if (range) data_sets_.push_back(*range);
+  return range;
+}
+
+std::span<const TicketRange> Schedule::WindowOfNext() const {
+  const std::size_t count = std::min(window_data_sets_ - 1, data_sets_.size());
+  return std::span(data_sets_).last(count);
+}
+
+}  // namespace powderkeg

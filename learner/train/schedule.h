@@ -1,0 +1,54 @@
+#pragma once
+
+// Iterations as pure logic: which games train which iteration.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "learner/replay/prefix.h"
+
+namespace powderkeg {
+
+// Iteration k (from 1) trains on the data sets k - window + 1 to k; its data set is taken when it
+// starts. A value; one thread.
+class Schedule {
+ public:
+  // `data_sets` are those of the iterations that were completed before (from a checkpoint).
+  // Requires positive numbers.
+  Schedule(int iterations, std::uint64_t decisions_per_iteration, int window_data_sets,
+           std::vector<TicketRange> data_sets = {});
+
+  enum class Use : std::uint8_t {
+    kNextDataSets,  // waits for its iteration
+    kWindow,        // belongs to the window of completed iterations: needed after a restart
+    kNone,          // known already, or of an iteration whose data set left the window
+  };
+  // What to do with a finished game.
+  Use Add(std::uint64_t ticket, std::uint32_t decisions);
+
+  // Starts the next iteration if its games are all there; the range is then its data set.
+  [[nodiscard]] std::optional<TicketRange> StartIteration();
+
+  // Whether every iteration was started.
+  [[nodiscard]] bool finished() const { return iteration() >= iterations_; }
+  // The iteration started last; 0 before the first.
+  [[nodiscard]] int iteration() const { return static_cast<int>(data_sets_.size()); }
+  // Of all iterations started.
+  [[nodiscard]] const std::vector<TicketRange>& data_sets() const { return data_sets_; }
+  // Those of them that the next iteration trains on too.
+  [[nodiscard]] std::span<const TicketRange> WindowOfNext() const;
+  // Of the next iteration.
+  [[nodiscard]] TicketPrefix::Progress progress() const { return prefix_.progress(); }
+  [[nodiscard]] std::uint64_t decisions_per_iteration() const { return decisions_; }
+
+ private:
+  int iterations_;
+  std::uint64_t decisions_;
+  std::size_t window_data_sets_;
+  std::vector<TicketRange> data_sets_;
+  TicketPrefix prefix_;
+};
+
+}  // namespace powderkeg

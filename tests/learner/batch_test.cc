@@ -1,0 +1,110 @@
+#include "learner/train/batch.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "common/model/planes.h"
+#include "tests/learner/played_games.h"
+
+namespace powderkeg {
+namespace {
+
+using testing::FloatEq;
+using testing::Pointwise;
+
+TEST(PolicyTarget, MixesTheVisitsWithTheirLargest) {
+  EXPECT_THAT(PolicyTarget({1, 0, 2, 0, 1, 0}, 0.0),
+              Pointwise(FloatEq(), {.25, 0., .5, 0., .25, 0.}));
+  EXPECT_THAT(PolicyTarget({1, 0, 2, 0, 1, 0}, 0.5),
+              Pointwise(FloatEq(), {.125, 0., .75, 0., .125, 0.}));
+  EXPECT_THAT(PolicyTarget({3, 0, 1, 0, 0, 0}, 1.0),
+              Pointwise(FloatEq(), {1., 0., 0., 0., 0., 0.}));
+}
+
+TEST(PolicyTarget, TiesGoToTheFirstAction) {
+  EXPECT_THAT(PolicyTarget({0, 7, 0, 0, 7, 0}, 0.5),
+              Pointwise(FloatEq(), {0., .75, 0., 0., .25, 0.}));
+}
+
+TEST(PolicyTarget, LargeCountsDoNotOverflow) {
+  EXPECT_THAT(PolicyTarget({65535, 65535, 65535, 65535, 65535, 65535}, 0.0),
+              testing::Each(FloatEq(1.0F / 6)));
+}
+
+std::vector<Sample> SamplesOf(std::uint64_t ticket) {
+  DataSet data_set;
+  AddGame(PlayGame(ticket), data_set);
+  return data_set.samples;
+}
+
+std::vector<float> PlanesOf(const State& state, AgentId viewer) {
+  std::vector<float> planes(kPlanesSize);
+  EncodePlanes(GameSettings{}, {&state, viewer},
+               std::span(planes).first<static_cast<std::size_t>(kPlanesSize)>());
+  return planes;
+}
+
+// Each sample of a batch must be exactly one of its eight turned versions, policy included.
+TEST(Batch, SamplesAreTurnedAsAWhole) {
+  const std::vector<Sample> samples = SamplesOf(3);
+  const Sample& sample = samples[samples.size() / 2];
+  const std::vector<const Sample*> same(200, &sample);
+  Rng rng(4);
+  TrainingBatch batch;
+  BuildBatch(GameSettings{}, 0.5, same, rng, batch);
+  ASSERT_EQ(batch.size, same.size());
+  const auto target = PolicyTarget(sample.visits, 0.5);
+  std::set<Symmetry> seen;
+  for (std::size_t i = 0; i < batch.size; ++i) {
+    const std::vector<float> planes(batch.planes.begin() + static_cast<long>(i) * kPlanesSize,
+                                    batch.planes.begin() + static_cast<long>(i + 1) * kPlanesSize);
+    int matches = 0;
+    for (Symmetry symmetry = 0; symmetry < kSymmetryCount; ++symmetry) {
+      bool equal = planes == PlanesOf(Transform(symmetry, sample.state), sample.viewer);
+      for (int action = 0; action < kActionCount; ++action) {
+        const auto turned = static_cast<std::size_t>(Transform(symmetry, Action(action)));
+        equal = equal && batch.policies[i * kActionCount + turned] == target[action];
+      }
+      if (!equal) continue;
+      ++matches;
+      seen.insert(symmetry);
+    }
+    EXPECT_GE(matches, 1);
+    EXPECT_EQ(batch.values[i], sample.outcome);
+  }
+  EXPECT_EQ(seen.size(), 8u);
+}
+
+TEST(Batch, SmallBoardsAreNotTurned) {
+  Sample sample = SamplesOf(3)[0];
+  GameSettings settings;
+  settings.board_size = 8;
+  const std::vector<const Sample*> same(20, &sample);
+  Rng rng(4);
+  TrainingBatch batch;
+  BuildBatch(settings, 0.5, same, rng, batch);
+  for (std::size_t i = 1; i < batch.size; ++i) {
+    EXPECT_TRUE(std::equal(batch.planes.begin(), batch.planes.begin() + kPlanesSize,
+                           batch.planes.begin() + static_cast<long>(i) * kPlanesSize));
+  }
+}
+
+TEST(Batch, EqualGeneratorsGiveEqualBatches) {
+  const std::vector<Sample> samples = SamplesOf(6);
+  std::vector<const Sample*> pointers;
+  for (const Sample& sample : samples) pointers.push_back(&sample);
+  TrainingBatch first;
+  TrainingBatch second;
+  Rng rng(9);
+  Rng same(9);
+  BuildBatch(GameSettings{}, 0.5, pointers, rng, first);
+  BuildBatch(GameSettings{}, 0.5, pointers, same, second);
+  EXPECT_EQ(first.planes, second.planes);
+  EXPECT_EQ(first.policies, second.policies);
+}
+
+}  // namespace
+}  // namespace powderkeg

@@ -1,0 +1,111 @@
+#include "learner/report/iteration_table.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "common/base/check.h"
+#include "tests/learner/record_support.h"
+
+namespace powderkeg {
+namespace {
+
+IterationReport ReportOf(int iteration) {
+  IterationReport report;
+  report.iteration = iteration;
+  report.games = 512;
+  report.decisions = 100'123;
+  report.score = {.wins = 400, .ties = 50, .losses = 62};
+  report.mean_steps = 195.55;
+  report.action_shares = {0.31, 0.14, 0.15, 0.16, 0.14, 0.10};
+  report.weights_lag = 0.25;
+  report.total_loss = 0.9;
+  report.policy_loss = 0.95;
+  report.value_loss = 0.45;
+  report.policy_accuracy = 0.625;
+  report.samples_per_s = 2345;
+  report.waited_s = 61;
+  report.trained_s = 123;
+  return report;
+}
+
+std::string Contents(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+std::string Rows(std::initializer_list<int> iterations) {
+  std::string text = IterationCsv::Header() + '\n';
+  for (const int iteration : iterations) text += IterationCsv::Row(ReportOf(iteration)) + '\n';
+  return text;
+}
+
+TEST(IterationTable, LinesAreAlignedWithTheHeader) {
+  EXPECT_EQ(TableLine(ReportOf(7)).size(), TableLine(ReportOf(50)).size());
+  EXPECT_LE(TableLine(ReportOf(7)).size(), TableHeader().size());
+  const std::string line = TableLine(ReportOf(7));
+  EXPECT_EQ(line.find(" 78.1"), TableHeader().find("win %"));
+  EXPECT_EQ(line.find("31/14/15/16/14/10"), TableHeader().find("stop/up"));
+  EXPECT_EQ(line.find("0.900"), TableHeader().find("loss   "));
+}
+
+TEST(IterationTable, LineSaysSharesWithWilsonIntervals) {
+  EXPECT_THAT(TableLine(ReportOf(7)), testing::HasSubstr("78.1 [74.3- 81.5]"));
+  IterationReport perfect = ReportOf(1);
+  perfect.score = {.wins = 20, .ties = 0, .losses = 0};
+  EXPECT_THAT(TableLine(perfect), testing::HasSubstr("100.0 [83.9-100.0]"));
+}
+
+TEST(IterationCsv, HeaderAndRowsHaveAsManyColumns) {
+  const std::string header = IterationCsv::Header();
+  const std::string row = IterationCsv::Row(ReportOf(3));
+  EXPECT_EQ(std::ranges::count(header, ','), std::ranges::count(row, ','));
+  EXPECT_TRUE(row.starts_with("3,512,100123,400,50,62,0.78125,"));
+}
+
+TEST(IterationCsv, WritesTheHeaderOnceAndAppendsOnResume) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "iterations.csv";
+  {
+    IterationCsv csv(path, 1);
+    csv.Append(ReportOf(1));
+    EXPECT_EQ(Contents(path), Rows({1})) << "a row is there when Append returns";
+    csv.Append(ReportOf(2));
+  }
+  IterationCsv(path, 3).Append(ReportOf(3));
+  EXPECT_EQ(Contents(path), Rows({1, 2, 3}));
+}
+
+TEST(IterationCsv, ARepeatedIterationReplacesItsRow) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "iterations.csv";
+  {
+    IterationCsv csv(path, 1);
+    for (const int iteration : {1, 2, 3}) csv.Append(ReportOf(iteration));
+  }
+  IterationCsv(path, 3).Append(ReportOf(3));
+  EXPECT_EQ(Contents(path), Rows({1, 2, 3}));
+}
+
+TEST(IterationCsv, ATornLastRowIsRemoved) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "iterations.csv";
+  std::ofstream(path) << Rows({1}) << "2,512,1001";
+  IterationCsv(path, 3).Append(ReportOf(3));
+  EXPECT_EQ(Contents(path), Rows({1, 3}));
+}
+
+TEST(IterationCsv, AForeignFileIsNotOverwritten) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "iterations.csv";
+  std::ofstream(path) << "name,score\nx,1\n";
+  EXPECT_THROW(IterationCsv(path, 1), Error);
+  EXPECT_EQ(Contents(path), "name,score\nx,1\n");
+  EXPECT_THROW(IterationCsv(folder.path() / "missing" / "iterations.csv", 1), Error);
+}
+
+}  // namespace
+}  // namespace powderkeg

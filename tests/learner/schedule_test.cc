@@ -1,0 +1,59 @@
+#include "learner/train/schedule.h"
+
+#include <gtest/gtest.h>
+
+namespace powderkeg {
+namespace {
+
+using Range = std::optional<TicketRange>;
+using Use = Schedule::Use;
+
+Schedule ThreeIterations(std::vector<TicketRange> data_sets = {}) {
+  return {/*iterations=*/3, /*decisions_per_iteration=*/10, /*window_data_sets=*/2,
+          std::move(data_sets)};
+}
+
+TEST(Schedule, RunsItsIterationsAndEnds) {
+  Schedule schedule = ThreeIterations();
+  for (std::uint64_t ticket = 0; ticket < 8; ++ticket) {
+    EXPECT_EQ(schedule.Add(ticket, 5), Use::kNextDataSets);
+  }
+  EXPECT_EQ(schedule.iteration(), 0);
+  EXPECT_EQ(schedule.StartIteration(), (Range{{0, 1}}));
+  EXPECT_EQ(schedule.StartIteration(), (Range{{2, 3}}));
+  EXPECT_FALSE(schedule.finished());
+  EXPECT_EQ(schedule.StartIteration(), (Range{{4, 5}}));
+  EXPECT_TRUE(schedule.finished());
+  EXPECT_EQ(schedule.StartIteration(), std::nullopt);
+  EXPECT_EQ(schedule.iteration(), 3);
+}
+
+TEST(Schedule, WaitsForGames) {
+  Schedule schedule = ThreeIterations();
+  schedule.Add(1, 50);
+  EXPECT_EQ(schedule.StartIteration(), std::nullopt);
+  EXPECT_EQ(schedule.iteration(), 0);
+}
+
+TEST(Schedule, GoesOnAfterARestart) {
+  Schedule schedule = ThreeIterations({{0, 4}, {5, 9}});
+  EXPECT_EQ(schedule.iteration(), 2);
+  EXPECT_EQ(schedule.Add(4, 10), Use::kNone) << "its data set has left the window";
+  EXPECT_EQ(schedule.Add(5, 10), Use::kWindow);
+  EXPECT_EQ(schedule.Add(9, 10), Use::kWindow);
+  EXPECT_EQ(schedule.Add(10, 10), Use::kNextDataSets);
+  EXPECT_EQ(schedule.Add(10, 10), Use::kNone) << "known already";
+  ASSERT_EQ(schedule.WindowOfNext().size(), 1u);
+  EXPECT_EQ(schedule.WindowOfNext()[0], (TicketRange{5, 9}));
+  EXPECT_EQ(schedule.StartIteration(), (Range{{10, 10}}));
+  EXPECT_TRUE(schedule.finished());
+}
+
+TEST(Schedule, AWindowOfOneNeedsNoOldGames) {
+  Schedule schedule(5, 10, /*window_data_sets=*/1, {{0, 3}});
+  EXPECT_TRUE(schedule.WindowOfNext().empty());
+  EXPECT_EQ(schedule.Add(3, 10), Use::kNone);
+}
+
+}  // namespace
+}  // namespace powderkeg
