@@ -19,7 +19,7 @@ using Json = nlohmann::json;
 using Counts = std::array<int, kActionCount>;
 
 constexpr double kFamilyWiseErrorRate = 0.01;
-constexpr int kCalls = 2048;  // of our policy, per record
+constexpr int kCalls = 1024;  // of our policy, per record
 constexpr double kLeastExpected =
     5;  // of a category in the chi-squared test; smaller ones are pooled
 constexpr int kDifferencesShown = 5;
