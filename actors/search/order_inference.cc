@@ -11,9 +11,9 @@ namespace {
 // another one clearly (but what is hidden in the position may be to blame).
 constexpr int kDrawnCost = 2;
 constexpr int kWrongCost = 5;
-constexpr std::size_t kMostEvidence = 64;  // the oldest goes first
+constexpr std::size_t kMostEvidence = 32;  // the oldest goes first
 constexpr int kProbes = 8;                 // random orders that show whether a decision depends
-constexpr int kProposals = 48;             // steps of the walk per observed decision
+constexpr int kProposals = 8;              // steps of the walk per observed decision
 
 struct Prediction {
   Action action;

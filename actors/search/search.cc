@@ -192,7 +192,7 @@ NodeIndex Search::Expand(NodeIndex parent_index, Action action) {
   child.state = parent.state;
   child.mover = parent.next_mover;
   child.next_mover = child.mover;
-  child.side = child.mover == self_ ? 1.0F : -1.0F;
+  child.side = child.mover == self_ ? 1 : -1;
   if (parent.mover == parent.next_mover) StepEnvironment(parent, child);
   return index;
 }
@@ -263,7 +263,7 @@ void Search::Scatter(const EvaluationBatch& batch) {
 void Search::TakeEvaluation(NodeIndex index, const Evaluation& evaluation) {
   Node& node = tree_[index];
   tree_.SetEdges(node, LegalFor(node), evaluation.policy);
-  node.evaluation = node.side * evaluation.value;
+  node.evaluation = static_cast<float>(node.side) * evaluation.value;
   node.stage = node.mover == self_ ? Node::Stage::kEvaluated : Node::Stage::kReady;
   if (index == kRoot) {
     BeginRoot();

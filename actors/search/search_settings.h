@@ -54,7 +54,7 @@ struct SearchSettings {
   std::array<OpponentModel, 3> opponents = {OpponentModel::kSimpleUnbiased,
                                             OpponentModel::kSimpleUnbiased,
                                             OpponentModel::kSimpleUnbiased};
-  ModelMemory memory = ModelMemory::kSynchronized;
+  ModelMemory memory = ModelMemory::kInferred;
 
   // Selection: Q + c(N) P sqrt(N) / (1 + n), c(N) = c_puct_init + ln((N + base + 1) / base).
   double c_puct_init = 2.5;

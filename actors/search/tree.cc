@@ -89,12 +89,13 @@ void Tree::SetEdges(Node& node, ActionSet legal,
   node.child.fill(kNoNode);
   node.visits.fill(0);
   node.visit_count = 0;
-  node.value.fill(-node.side * std::numeric_limits<float>::infinity());
+  const auto side = static_cast<float>(node.side);
+  node.value.fill(-side * std::numeric_limits<float>::infinity());
   float total = 0;
   for (std::size_t a = 0; a < kActionCount; ++a) {
     const bool is_legal = (legal >> a & 1) != 0;
     node.prior[a] = is_legal ? policy[a] : 0;
-    if (is_legal) node.value[a] = node.side * unvisited_value_;
+    if (is_legal) node.value[a] = side * unvisited_value_;
     total += node.prior[a];
   }
   if (renormalise_priors_ && total > 0) {
@@ -114,9 +115,10 @@ void Tree::SetPriors(Node& node, std::span<const float, kActionCount> priors) {
 
 Action Tree::Select(const Node& node) const {
   const float exploration = exploration_[node.visit_count];
+  const auto side = static_cast<float>(node.side);
   std::array<float, Node::kLanes> score;
   for (std::size_t lane = 0; lane < Node::kLanes; ++lane) {
-    score[lane] = node.side * node.value[lane] + exploration * node.urge[lane];
+    score[lane] = side * node.value[lane] + exploration * node.urge[lane];
   }
   std::size_t best = 0;
   for (std::size_t a = 1; a < kActionCount; ++a) {

@@ -44,13 +44,13 @@ struct alignas(64) Node {
   std::array<std::uint32_t, kActionCount> visits;  // simulations under way included
   std::uint32_t visit_count;                       // sum of `visits`
   NodeIndex parent;
+  float evaluation;                       // the evaluator's value, or the outcome
+  std::array<float, kActionCount> prior;  // 0 where illegal
   Action parent_action;
   Stage stage;
   std::uint8_t mover;
   std::uint8_t next_mover;  // who chooses next within this step; `mover` itself: nobody
-  float side;               // +1: the searching agent moves; -1: an enemy
-  float evaluation;         // the evaluator's value, or the outcome
-  std::array<float, kActionCount> prior;  // 0 where illegal
+  std::int8_t side;         // +1: the searching agent moves; -1: an enemy
   ActionSet legal;
   JointAction actions;
   // What the models remember: before they decide on this position, then after it.
@@ -59,7 +59,7 @@ struct alignas(64) Node {
 };
 
 static_assert(std::is_trivially_copyable_v<Node>);
-static_assert(sizeof(Node) <= 1024);
+static_assert(sizeof(Node) <= 512);
 
 // Owns the nodes. They stay in place until Clear or Keep. Allocates only in Clear and Keep. One
 // thread.

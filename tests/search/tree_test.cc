@@ -13,7 +13,7 @@ constexpr std::array<float, kActionCount> kPolicy = {0.1F, 0.3F, 0.2F, 0.2F, 0.1
 constexpr ActionSet kAll = 0b111111;
 
 // A tree whose root has edges.
-Tree TreeWithRoot(const SearchSettings& settings, ActionSet legal, float side = 1) {
+Tree TreeWithRoot(const SearchSettings& settings, ActionSet legal, std::int8_t side = 1) {
   Tree tree(settings);
   tree.Clear(100);
   Node& root = tree[tree.Add(kNoNode, Action::kStop)];
@@ -44,7 +44,7 @@ Action Expected(const SearchSettings& settings, const Node& node) {
   for (int action = 0; action < kActionCount; ++action) {
     const auto a = static_cast<std::size_t>(action);
     if ((node.legal >> action & 1) == 0) continue;
-    const double q = node.side * node.value[a];
+    const double q = node.side * static_cast<double>(node.value[a]);
     const double score =
         q + c * node.prior[a] * std::sqrt(std::max(n, 1.0)) / (1.0 + node.visits[a]);
     if (best < 0 || score > best_score + 1e-6) {
@@ -57,7 +57,7 @@ Action Expected(const SearchSettings& settings, const Node& node) {
 
 TEST(Tree, SelectsByTheFormula) {
   const SearchSettings settings;
-  for (const float side : {1.0F, -1.0F}) {
+  for (const std::int8_t side : {std::int8_t{1}, std::int8_t{-1}}) {
     Tree tree = TreeWithRoot(settings, kAll, side);
     Rng rng(5);
     for (int i = 0; i < 90; ++i) {
@@ -81,12 +81,12 @@ TEST(Tree, TiesGoToTheLowestAction) {
 }
 
 TEST(Tree, IllegalActionsAreNeverSelected) {
-  for (const float side : {1.0F, -1.0F}) {
+  for (const std::int8_t side : {std::int8_t{1}, std::int8_t{-1}}) {
     Tree tree = TreeWithRoot({}, 0b100001, side);
     for (int i = 0; i < 50; ++i) {
       const Action action = tree.Select(tree[0]);
       ASSERT_TRUE(action == Action::kStop || action == Action::kBomb);
-      Simulate(tree, 0, action, -side);
+      Simulate(tree, 0, action, static_cast<float>(-side));
     }
     EXPECT_EQ(tree[0].prior[1], 0);
   }
