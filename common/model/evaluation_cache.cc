@@ -1,0 +1,138 @@
+#include "common/model/evaluation_cache.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "common/base/check.h"
+
+namespace powderkeg {
+namespace {
+
+// Two chains of multiplications folded to 64 bits (as wyhash and its kin do), with different keys.
+class KeyBuilder {
+ public:
+  void Add(std::uint64_t word) {
+    key_.low = Fold(key_.low ^ word ^ 0xA0761D6478BD642Fu, 0xE7037ED1A0B428DBu);
+    key_.high = Fold(key_.high ^ std::rotl(word, 32) ^ 0x8EBC6AF09C88C6E3u, 0x589965CC75374CC3u);
+  }
+  void Add(BitBoard board) {
+    Add(board.low());
+    Add(board.high());
+  }
+  [[nodiscard]] PositionKey key() const { return key_; }
+
+ private:
+  static std::uint64_t Fold(std::uint64_t a, std::uint64_t b) {
+    __extension__ using Wide = unsigned __int128;
+    const Wide product = Wide{a} * b;
+    return static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64);
+  }
+
+  PositionKey key_{0x1D8E4E27C47D124Fu, 0xEB44ACCAB455D165u};
+};
+
+std::uint32_t WordOf(const Bomb& bomb) {
+  static_assert(sizeof(Bomb) == sizeof(std::uint32_t));
+  return std::bit_cast<std::uint32_t>(bomb);
+}
+
+std::uint64_t WordOf(const AgentState& agent) {
+  return std::uint64_t{agent.cell} | std::uint64_t{agent.ammo} << 8 |
+         std::uint64_t{agent.blast_strength} << 16 | std::uint64_t{agent.alive} << 24 |
+         std::uint64_t{agent.can_kick} << 25;
+}
+
+}  // namespace
+
+PositionKey KeyOf(const Position& position) {
+  const State& state = *position.state;
+  KeyBuilder builder;
+  for (const BitBoard board :
+       {state.rigid, state.wood, state.item_low, state.item_high, state.flames[0], state.flames[1],
+        state.flames[2], position.visible}) {
+    builder.Add(board);
+  }
+  for (const Bomb& bomb : state.Bombs()) builder.Add(WordOf(bomb));
+  for (const AgentState& agent : state.agents) builder.Add(WordOf(agent));
+  builder.Add(std::bit_cast<std::uint64_t>(state.messages));
+  builder.Add(std::uint64_t{state.step} | std::uint64_t{state.bomb_count} << 16 |
+              static_cast<std::uint64_t>(position.viewer) << 24);
+  return builder.key();
+}
+
+EvaluationCache::EvaluationCache(std::unique_ptr<Evaluator> evaluator, std::size_t bytes)
+    : evaluator_(std::move(evaluator)) {
+  static_assert(sizeof(Entry) == 48);
+  const std::size_t buckets = std::max<std::size_t>(1, bytes / (kWays * sizeof(Entry)));
+  entries_.resize(std::bit_floor(buckets) * kWays);
+}
+
+std::string EvaluationCache::name() const { return evaluator_->name() + " cached"; }
+
+void EvaluationCache::Replace(std::unique_ptr<Evaluator> evaluator) {
+  evaluator_ = std::move(evaluator);
+  Clear();
+}
+
+void EvaluationCache::Clear() {
+  std::ranges::fill(entries_, Entry{});
+  clock_ = 0;
+}
+
+void EvaluationCache::Evaluate(const GameSettings& settings, std::span<const Position> positions,
+                               std::span<Evaluation> evaluations) {
+  CHECK(positions.size() == evaluations.size());
+  if (settings != settings_) {
+    settings_ = settings;
+    Clear();
+  }
+  missing_.clear();
+  missing_keys_.clear();
+  missing_positions_.clear();
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const PositionKey key = KeyOf(positions[i]);
+    if (const Evaluation* const known = Find(key); known != nullptr) {
+      evaluations[i] = *known;
+      continue;
+    }
+    missing_.push_back(i);
+    missing_keys_.push_back(key);
+    missing_positions_.push_back(positions[i]);
+  }
+  missing_evaluations_.resize(missing_.size());
+  evaluator_->Evaluate(settings, missing_positions_, missing_evaluations_);
+  for (std::size_t i = 0; i < missing_.size(); ++i) {
+    evaluations[missing_[i]] = missing_evaluations_[i];
+    Store(missing_keys_[i], missing_evaluations_[i]);
+  }
+  hits_ += positions.size() - missing_.size();
+  misses_ += missing_.size();
+}
+
+std::span<EvaluationCache::Entry, EvaluationCache::kWays> EvaluationCache::BucketOf(
+    const PositionKey& key) {
+  const std::size_t buckets = entries_.size() / kWays;
+  return std::span<Entry, kWays>(&entries_[(key.low & (buckets - 1)) * kWays], kWays);
+}
+
+const Evaluation* EvaluationCache::Find(const PositionKey& key) {
+  for (const Entry& entry : BucketOf(key)) {
+    if (entry.stored_at != 0 && entry.key == key) return &entry.evaluation;
+  }
+  return nullptr;
+}
+
+void EvaluationCache::Store(const PositionKey& key, const Evaluation& evaluation) {
+  if (++clock_ == 0) {
+    Clear();
+    clock_ = 1;
+  }
+  const auto bucket = BucketOf(key);
+  // The same key may be there already: a batch can ask one position twice.
+  auto place = std::ranges::find(bucket, key, &Entry::key);
+  if (place == bucket.end()) place = std::ranges::min_element(bucket, {}, &Entry::stored_at);
+  *place = {key, evaluation, clock_};
+}
+
+}  // namespace powderkeg

@@ -1,0 +1,73 @@
+#pragma once
+
+// Answers positions that were asked before from memory.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/model/evaluator.h"
+
+namespace powderkeg {
+
+// 128 bits that stand for a Position: every field of the state (unused bombs and padding left out),
+// the viewer and the visible cells. Two positions that differ have equal keys with a probability of
+// about 2^-128.
+struct PositionKey {
+  std::uint64_t low = 0;
+  std::uint64_t high = 0;
+
+  friend bool operator==(const PositionKey&, const PositionKey&) = default;
+};
+[[nodiscard]] PositionKey KeyOf(const Position& position);
+
+// Wraps an evaluator: asks it only for positions that are not in the cache. Evaluators that give
+// the same answer whatever else is in the batch give the same answers through the cache. The
+// memory is fixed; a full bucket replaces its oldest entry. One thread.
+class EvaluationCache final : public Evaluator {
+ public:
+  // Keeps at most `bytes` of answers (at least one bucket; 48 bytes an answer).
+  EvaluationCache(std::unique_ptr<Evaluator> evaluator, std::size_t bytes);
+
+  void Evaluate(const GameSettings& settings, std::span<const Position> positions,
+                std::span<Evaluation> evaluations) override;
+  // "onednn bf16 cached"
+  [[nodiscard]] std::string name() const override;
+
+  // Takes another evaluator, as after new weights, and forgets all answers.
+  void Replace(std::unique_ptr<Evaluator> evaluator);
+  void Clear();
+
+  // Positions answered from the cache and by the evaluator since the start.
+  [[nodiscard]] std::uint64_t hits() const { return hits_; }
+  [[nodiscard]] std::uint64_t misses() const { return misses_; }
+
+ private:
+  struct Entry {
+    PositionKey key;
+    Evaluation evaluation{};
+    std::uint32_t stored_at = 0;  // value of clock_; 0: empty
+  };
+  static constexpr std::size_t kWays = 4;  // entries per bucket
+
+  [[nodiscard]] std::span<Entry, kWays> BucketOf(const PositionKey& key);
+  // The stored answer, or nullptr.
+  [[nodiscard]] const Evaluation* Find(const PositionKey& key);
+  void Store(const PositionKey& key, const Evaluation& evaluation);
+
+  std::unique_ptr<Evaluator> evaluator_;
+  GameSettings settings_;  // of all entries
+  std::vector<Entry> entries_;
+  std::uint32_t clock_ = 0;
+  std::uint64_t hits_ = 0;
+  std::uint64_t misses_ = 0;
+  // What one Evaluate hands on; members keep their memory.
+  std::vector<std::size_t> missing_;
+  std::vector<PositionKey> missing_keys_;
+  std::vector<Position> missing_positions_;
+  std::vector<Evaluation> missing_evaluations_;
+};
+
+}  // namespace powderkeg
