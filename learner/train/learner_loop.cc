@@ -15,8 +15,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kWaitLogInterval = std::chrono::seconds(10);
-constexpr auto kTrainLogInterval = std::chrono::seconds(30);
+constexpr auto kWaitLogInterval = std::chrono::seconds(60);
+constexpr auto kTrainLogInterval = std::chrono::seconds(60);
 
 // Purposes of the generators split from the run's seed: iteration k uses k.
 constexpr std::uint64_t kInitialWeights = 0;
@@ -144,7 +144,6 @@ void LearnerLoop::Run(const std::stop_token& stop) {
   log::Info("training", "device", trainer_->description(), "network", settings_.training.network);
   RestoreWindow();
   if (version_ > 1 || settings_.initial_weights) Publish(trainer_->state(version_));
-  log::Info(TableHeader());
   while (!stop.stop_requested() && !schedule_.finished()) {
     const Clock::time_point start = Clock::now();
     const auto games = NextGames(stop);
@@ -210,7 +209,11 @@ bool LearnerLoop::RunIteration(const std::vector<GameRecord>& games, Seconds wai
     training_progress_ = {};
   }
   Publish(state);
-  log::Info(TableLine(report));
+  log::Info("iteration done", "iteration", iteration, "games", report.games, "decisions",
+            report.decisions, "wins", report.score.wins, "ties", report.score.ties, "losses",
+            report.score.losses, "loss", report.total_loss, "policy_accuracy",
+            report.policy_accuracy, "samples_per_s", std::llround(report.samples_per_s), "waited_s",
+            report.waited_s, "trained_s", report.trained_s);
   hooks_.iteration_done(report);
   return true;
 }

@@ -1,0 +1,188 @@
+#include "learner/train/learner_loop.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "common/base/check.h"
+#include "common/base/worker.h"
+#include "learner/replay/store.h"
+#include "tests/learner/played_games.h"
+#include "tests/learner/record_support.h"
+
+namespace powderkeg {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kDecisions = 100;
+constexpr int kGames = 80;  // plenty for four data sets
+
+LearnerLoopSettings SettingsFor(const fs::path& folder, int iterations) {
+  LearnerLoopSettings settings;
+  settings.training.iterations = iterations;
+  settings.training.decisions_per_iteration = kDecisions;
+  settings.training.window_datasets = 2;
+  settings.training.epochs = 1;
+  settings.training.batch_size = 32;
+  settings.training.device = "cpu";
+  settings.precision = Precision::kFp32;
+  settings.folder = folder;
+  return settings;
+}
+
+// What a run of the loop told.
+struct RunLog {
+  std::vector<Snapshot> published;
+  std::vector<IterationReport> reports;
+
+  LearnerLoopHooks Hooks() {
+    return {.publish = [this](const Snapshot& snapshot) { published.push_back(snapshot); },
+            .iteration_done = [this](const IterationReport& report) { reports.push_back(report); }};
+  }
+};
+
+RunLog RunLoop(const LearnerLoopSettings& settings, const std::vector<GameRecord>& games) {
+  RunLog run;
+  LearnerLoop loop(settings, run.Hooks());
+  for (GameRecord game : games) loop.Add(std::move(game));
+  loop.Run({});
+  return run;
+}
+
+std::vector<std::string> LinesOf(const fs::path& path) {
+  std::vector<std::string> lines;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(LearnerLoop, TrainsIterationAfterIteration) {
+  const TemporaryFolder folder;
+  const RunLog run = RunLoop(SettingsFor(folder.path(), 2), PlayGames(0, kGames));
+  ASSERT_EQ(run.reports.size(), 2u);
+  EXPECT_EQ(run.reports[1].iteration, 2);
+  EXPECT_GE(run.reports[0].decisions, static_cast<std::uint64_t>(kDecisions));
+  EXPECT_EQ(run.reports[0].score.games(), run.reports[0].games);
+  EXPECT_EQ(run.reports[0].weights_lag, 0);
+  EXPECT_EQ(run.reports[1].weights_lag, 1) << "all games were started before the first iteration";
+  ASSERT_EQ(run.published.size(), 2u);
+  EXPECT_EQ(run.published[0]->version, 2u);
+  EXPECT_EQ(run.published[1]->version, 3u);
+  EXPECT_EQ(run.published[1]->canary.states.size(), 8u);
+  EXPECT_EQ(LinesOf(folder.path() / "iterations.csv").size(), 3u);
+  EXPECT_EQ(*LoadSnapshot((folder.path() / "weights" / "version-000003.weights").string()),
+            *run.published[1]);
+}
+
+TEST(LearnerLoop, TheOrderOfArrivalDoesNotMatter) {
+  const TemporaryFolder folder;
+  const TemporaryFolder other_folder;
+  std::vector<GameRecord> games = PlayGames(0, kGames);
+  const RunLog run = RunLoop(SettingsFor(folder.path(), 2), games);
+  Rng(7).Shuffle(std::span(games));
+  games.push_back(games.front());  // a double
+  const RunLog shuffled = RunLoop(SettingsFor(other_folder.path(), 2), games);
+  EXPECT_EQ(*run.published.back(), *shuffled.published.back());
+}
+
+TEST(LearnerLoop, ARestartGoesOnExactlyWhereItWas) {
+  const std::vector<GameRecord> games = PlayGames(0, kGames);
+  const TemporaryFolder folder;
+  const RunLog uninterrupted = RunLoop(SettingsFor(folder.path(), 4), games);
+
+  const TemporaryFolder other_folder;
+  RunLoop(SettingsFor(other_folder.path(), 1), games);
+  RunLoop(SettingsFor(other_folder.path(), 3), games);
+  const RunLog last = RunLoop(SettingsFor(other_folder.path(), 4), games);
+  ASSERT_EQ(last.published.size(), 2u) << "the weights of the checkpoint, then of iteration 4";
+  EXPECT_EQ(last.published[0]->version, 4u);
+  EXPECT_EQ(last.published[0]->arrays, uninterrupted.published[2]->arrays);
+  EXPECT_EQ(*last.published[1], *uninterrupted.published[3]);
+  ASSERT_EQ(last.reports.size(), 1u);
+  EXPECT_EQ(last.reports[0].decisions, uninterrupted.reports[3].decisions);
+  EXPECT_EQ(LinesOf(other_folder.path() / "iterations.csv").size(), 5u);
+}
+
+TEST(LearnerLoop, AnIterationStoppedInTrainingIsRepeated) {
+  const std::vector<GameRecord> games = PlayGames(0, kGames);
+  const TemporaryFolder folder;
+  const RunLog uninterrupted = RunLoop(SettingsFor(folder.path(), 2), games);
+
+  const TemporaryFolder other_folder;
+  LearnerLoopSettings endless = SettingsFor(other_folder.path(), 2);
+  endless.training.epochs = 1e6;
+  RunLog stopped;
+  {
+    LearnerLoop loop(endless, stopped.Hooks());
+    for (GameRecord game : games) loop.Add(std::move(game));
+    Worker trainer("trainer", [&](const std::stop_token& stop) { loop.Run(stop); });
+    while (loop.progress().training.samples_done == 0) std::this_thread::yield();
+    trainer.RequestStop();
+    trainer.Join();
+  }
+  EXPECT_TRUE(stopped.published.empty());
+  const RunLog resumed = RunLoop(SettingsFor(other_folder.path(), 2), games);
+  EXPECT_EQ(*resumed.published.back(), *uninterrupted.published.back());
+}
+
+TEST(LearnerLoop, WaitsForAStragglerAndStopsWhenAsked) {
+  const TemporaryFolder folder;
+  LearnerLoop loop(SettingsFor(folder.path(), 2), {});
+  for (GameRecord& game : PlayGames(1, kGames)) loop.Add(std::move(game));
+  EXPECT_EQ(loop.progress().games.straggler, 0u);
+  EXPECT_EQ(loop.progress().games.decisions_in_prefix, 0u);
+  EXPECT_TRUE(loop.Full());
+  Worker trainer("trainer", [&](const std::stop_token& stop) { loop.Run(stop); });
+  loop.Add(PlayGame(0));
+  while (loop.progress().iteration < 2) std::this_thread::yield();
+  trainer.Join();
+  EXPECT_TRUE(loop.Full()) << "no iteration is left";
+
+  const TemporaryFolder idle_folder;
+  LearnerLoop idle(SettingsFor(idle_folder.path(), 1), {});
+  EXPECT_FALSE(idle.Full());
+  Worker waiting("waiting", [&](const std::stop_token& stop) { idle.Run(stop); });
+  waiting.RequestStop();
+  waiting.Join();
+  EXPECT_EQ(idle.progress().iteration, 0);
+}
+
+TEST(LearnerLoop, GivenWeightsArePublishedFirst) {
+  const TemporaryFolder folder;
+  LearnerLoopSettings settings = SettingsFor(folder.path(), 1);
+  auto weights = std::make_shared<WeightsSnapshot>(InitialWeights(SmallNetwork(), Rng(5)));
+  weights->version = 40;
+  settings.initial_weights = weights;
+  const RunLog run = RunLoop(settings, PlayGames(0, kGames));
+  ASSERT_EQ(run.published.size(), 2u);
+  EXPECT_EQ(run.published[0]->version, 1u);
+  EXPECT_EQ(run.published[0]->arrays, weights->arrays);
+  EXPECT_EQ(run.published[1]->version, 2u);
+}
+
+TEST(LearnerLoop, AGameThatTheCheckpointCountsMustBeInTheStore) {
+  const TemporaryFolder folder;
+  std::vector<GameRecord> games = PlayGames(0, kGames);
+  RunLoop(SettingsFor(folder.path(), 1), games);
+  games.erase(games.begin());
+  EXPECT_THROW(RunLoop(SettingsFor(folder.path(), 2), games), Error);
+}
+
+TEST(LearnerLoop, RestartsFromTheStore) {
+  const TemporaryFolder folder;
+  const std::vector<GameRecord> games = PlayGames(0, kGames);
+  RunLoop(SettingsFor(folder.path(), 1), games);
+  ReplayStore store(folder.path() / "replay");
+  store.Append(games);
+  RunLog run;
+  LearnerLoop loop(SettingsFor(folder.path(), 2), run.Hooks());
+  store.Load([&](GameRecord&& game) { loop.Add(std::move(game)); });
+  loop.Run({});
+  ASSERT_EQ(run.reports.size(), 1u);
+  EXPECT_EQ(run.reports[0].iteration, 2);
+}
+
+}  // namespace
+}  // namespace powderkeg
