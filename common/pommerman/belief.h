@@ -25,19 +25,26 @@ struct BeliefSettings {
 
 // Turns the stream of one agent's observations into the State its search steps from: hidden items
 // are unknown (none), bombs have the owner that can have laid them, opponents' statistics are
-// inferred. A value; give it every observation of a game in order, the first one included.
+// inferred. A value; give it every observation of a game in order, the first one included. An
+// observation that does not follow the last one starts a new game.
+//
+// Each observation is first predicted: the moves that were seen are played on the believed position.
+// What is seen then overrides what was predicted. With the whole board in view of a free-for-all
+// game only this cannot be known, and is put right as soon as it shows: an item that another agent
+// picks up in the very step in which it comes out of the flames.
 //
 // Fog: a cell never seen counts as passage for Step. A remembered bomb out of sight goes on
 // ticking, rolling and exploding as Step would have it; an agent out of sight stays on the cell
-// where it was seen last (on its start corner if never), and is believed alive as long as the
-// observation says so.
+// where it was seen last (on its start corner if never), is believed alive as long as the
+// observation says so, and moves to the nearest free cell out of sight when it cannot be there
+// any more. A bomb that comes into view is taken for that of the nearest other agent.
 class Belief {
  public:
   Belief(const GameSettings& settings, const BeliefSettings& belief_settings);
 
   void Observe(const Observation& observation);
 
-  // The believed position. Requires one Observe.
+  // The believed position, before a collapse as the observation is. Requires one Observe.
   [[nodiscard]] const State& state() const { return state_; }
   [[nodiscard]] AgentId self() const { return self_; }
   // Cells in view in the last observation.

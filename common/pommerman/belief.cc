@@ -1,0 +1,394 @@
+#include "common/pommerman/belief.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "common/pommerman/step.h"
+
+namespace powderkeg {
+namespace {
+
+constexpr int kFreshBombLife = 9;
+constexpr int kAmmoCap = 10;
+// The furthest a bomb gets in one step: a deflected one, diagonally.
+constexpr int kBombStride = 2;
+
+// What an observation shows, as sets and lists.
+struct Sight {
+  explicit Sight(const Observation& observation);
+
+  BitBoard visible;
+  BitBoard rigid;
+  BitBoard wood;
+  BitBoard item_low;
+  BitBoard item_high;
+  std::array<BitBoard, 3> newest_flames;  // cells by the life of their newest flame
+  std::array<Cell, kAgentCount> agents;   // kNoCell where not seen alive
+  std::array<Bomb, kMaxBombs> bombs;      // without owner, by cell
+  int bomb_count = 0;
+
+ private:
+  void LookAt(Cell cell, const Observation& observation);
+};
+
+Sight::Sight(const Observation& observation) {
+  agents.fill(kNoCell);
+  for (Cell cell = 0; cell < kCellCount; ++cell) {
+    if (observation.board[cell] != CellValue::kFog) LookAt(cell, observation);
+  }
+  if (observation.alive[observation.self]) agents[observation.self] = observation.position;
+}
+
+void Sight::LookAt(Cell cell, const Observation& observation) {
+  visible.Add(cell);
+  const CellValue value = observation.board[cell];
+  if (value == CellValue::kRigid) rigid.Add(cell);
+  if (value == CellValue::kWood) wood.Add(cell);
+  if (value == CellValue::kExtraBomb || value == CellValue::kKick) item_low.Add(cell);
+  if (value == CellValue::kIncreaseRange || value == CellValue::kKick) item_high.Add(cell);
+  if (value >= CellValue::kAgent0) agents[static_cast<int>(value) - 10] = cell;
+  if (const int life = observation.flame_life[cell]; life > 0) {
+    newest_flames[std::min(life, 3) - 1].Add(cell);
+  }
+  if (observation.bomb_blast_strength[cell] > 0 && bomb_count < kMaxBombs) {
+    Bomb& bomb = bombs[bomb_count++];
+    bomb.cell = static_cast<std::uint8_t>(cell);
+    bomb.life = static_cast<std::int8_t>(observation.bomb_life[cell]);
+    bomb.blast_strength = observation.bomb_blast_strength[cell];
+    bomb.set_direction(observation.bomb_moving_direction[cell]);
+  }
+}
+
+const Bomb* BombIn(const Sight& sight, Cell cell) {
+  const auto end = sight.bombs.begin() + sight.bomb_count;
+  const auto found = std::find_if(sight.bombs.begin(), end,
+                                  [cell](const Bomb& bomb) { return bomb.cell == cell; });
+  return found == end ? nullptr : &*found;
+}
+
+// The direction between neighbours; kNone for any other two cells.
+Direction DirectionBetween(Cell from, Cell to) {
+  for (const Direction direction : kDirections) {
+    if (Neighbour(from, direction) == to) return direction;
+  }
+  return Direction::kNone;
+}
+
+// A move out of sight, if the agent's cell is in view by now.
+Action UnseenMove(const State& state, const Sight& sight, Cell cell) {
+  if (!sight.visible.Has(cell)) return Action::kStop;
+  for (const Direction direction : kDirections) {
+    const Cell target = Neighbour(cell, direction);
+    if (target != kNoCell && !sight.visible.Has(target) && state.Walkable().Has(target)) {
+      return ActionOf(direction);
+    }
+  }
+  return Action::kStop;
+}
+
+// What the agent did, as far as it shows. Puts right in `state` what it must have been able to do,
+// and where it came from if it comes out of the fog.
+Action InferAction(const Sight& sight, AgentId id, State& state) {
+  AgentState& agent = state.agents[id];
+  const Cell seen = sight.agents[id];
+  if (seen == kNoCell) return UnseenMove(state, sight, agent.cell);
+  if (const Direction direction = DirectionBetween(agent.cell, seen);
+      direction != Direction::kNone) {
+    return ActionOf(direction);
+  }
+  agent.cell = static_cast<std::uint8_t>(seen);
+  const Bomb* bomb = BombIn(sight, seen);
+  if (bomb == nullptr || bomb->life != kFreshBombLife || state.bomb_cells.Has(seen)) {
+    return Action::kStop;
+  }
+  agent.ammo = std::max(agent.ammo, std::uint8_t{1});
+  agent.blast_strength = bomb->blast_strength;
+  return Action::kBomb;
+}
+
+// Whoever got past a bomb that holds it up in the prediction can kick.
+State PredictKicks(const GameSettings& settings, const Sight& sight, const JointAction& actions,
+                   State predicted, State& before) {
+  for (AgentId id = 0; id < kAgentCount; ++id) {
+    const Cell seen = sight.agents[id];
+    if (seen == kNoCell || predicted.agents[id].cell == seen) continue;
+    if (before.agents[id].can_kick) continue;
+    before.agents[id].can_kick = true;
+    State kicked = before;
+    Step(settings, actions, kicked);
+    before.agents[id].can_kick = kicked.agents[id].cell == seen;
+    if (before.agents[id].can_kick) predicted = kicked;
+  }
+  return predicted;
+}
+
+// The position after the moves that were seen; `before` is the believed position they were made in.
+State Predict(const GameSettings& settings, const Sight& sight, State& before) {
+  JointAction actions{};
+  for (AgentId id = 0; id < kAgentCount; ++id) {
+    if (before.agents[id].alive) actions[id] = InferAction(sight, id, before);
+  }
+  State predicted = before;
+  Step(settings, actions, predicted);
+  return PredictKicks(settings, sight, actions, predicted, before);
+}
+
+// Older flames below the newest are those predicted.
+void SeeFlames(const Sight& sight, State& state) {
+  BitBoard older;  // cells whose newest flame is of a higher life
+  for (int life = 2; life >= 0; --life) {
+    const BitBoard seen = sight.newest_flames[life];
+    const BitBoard unknown = ~sight.visible | older;
+    state.flames[life] = (state.flames[life] & unknown) | seen;
+    older |= seen;
+  }
+}
+
+void SeeCells(const Sight& sight, State& state) {
+  state.rigid = (state.rigid & ~sight.visible) | sight.rigid;
+  state.wood = (state.wood & ~sight.visible) | sight.wood;
+  state.item_low = (state.item_low & ~sight.visible) | sight.item_low;
+  state.item_high = (state.item_high & ~sight.visible) | sight.item_high;
+}
+
+void SeeAgents(const Observation& observation, const Sight& sight, State& state) {
+  for (AgentId id = 0; id < kAgentCount; ++id) {
+    AgentState& agent = state.agents[id];
+    agent.alive = observation.alive[id];
+    if (sight.agents[id] != kNoCell) agent.cell = static_cast<std::uint8_t>(sight.agents[id]);
+  }
+  AgentState& self = state.agents[observation.self];
+  self.cell = observation.position;
+  self.ammo = observation.ammo;
+  self.blast_strength = observation.blast_strength;
+  self.can_kick = observation.can_kick;
+}
+
+// Finds out whose the bombs in view are, and which of those out of sight there still are. Bombs are
+// told apart by life and strength; who is out of step with the prediction gets its ammo corrected.
+class BombMatch {
+ public:
+  BombMatch(const Sight& sight, AgentId self, const State& before, State& state)
+      : sight_(sight), self_(self), state_(state) {
+    AddCandidates(before);
+  }
+
+  void Run();
+
+ private:
+  struct Candidate {
+    Bomb bomb;
+    bool exploded;  // in the prediction; its ammo is back
+    bool taken = false;
+  };
+
+  void AddCandidates(const State& before);
+  void Assign(Bomb& seen);
+  [[nodiscard]] Candidate* Find(const Bomb& seen, int distance);
+  [[nodiscard]] AgentId LikelyOwner(const Bomb& seen) const;
+  void ChangeAmmo(AgentId id, int change);
+  void KeepUnseen();
+  void SortByAge();
+
+  const Sight& sight_;
+  AgentId self_;
+  State& state_;
+  std::array<Candidate, 2 * kMaxBombs> candidates_;
+  int candidate_count_ = 0;
+};
+
+// The predicted bombs, and those that exploded in the prediction: both lists are in the order of
+// age, so that what exploded is what is missing from the second.
+void BombMatch::AddCandidates(const State& before) {
+  auto next = state_.Bombs().begin();
+  for (const Bomb& old : before.Bombs()) {
+    Bomb expected = old;
+    --expected.life;
+    const bool survives = next != state_.Bombs().end() && next->life == expected.life &&
+                          next->blast_strength == expected.blast_strength &&
+                          next->owner() == expected.owner();
+    candidates_[candidate_count_++] = {survives ? *next : expected, !survives};
+    if (survives) ++next;
+  }
+  for (; next != state_.Bombs().end(); ++next) candidates_[candidate_count_++] = {*next, false};
+}
+
+void BombMatch::Run() {
+  state_.RemoveBombs(BitBoard::All());
+  std::array<Bomb, kMaxBombs> bombs = sight_.bombs;
+  for (int i = 0; i < sight_.bomb_count; ++i) Assign(bombs[i]);
+  KeepUnseen();
+  SortByAge();
+}
+
+void BombMatch::Assign(Bomb& seen) {
+  Candidate* match = Find(seen, 0);
+  if (match == nullptr) match = Find(seen, kBombStride);
+  if (match == nullptr) {
+    seen.set_owner(LikelyOwner(seen));
+    ChangeAmmo(seen.owner(), -1);
+  } else {
+    match->taken = true;
+    seen.set_owner(match->bomb.owner());
+    if (match->exploded) ChangeAmmo(seen.owner(), -1);
+  }
+  state_.AddBomb(seen);
+}
+
+// The nearest candidate of the same life and strength within `distance`.
+BombMatch::Candidate* BombMatch::Find(const Bomb& seen, int distance) {
+  Candidate* best = nullptr;
+  for (int i = 0; i < candidate_count_; ++i) {
+    Candidate& candidate = candidates_[i];
+    if (candidate.taken || candidate.bomb.life != seen.life ||
+        candidate.bomb.blast_strength != seen.blast_strength) {
+      continue;
+    }
+    const int away = ManhattanDistance(candidate.bomb.cell, seen.cell);
+    if (away > distance) continue;
+    best = &candidate;
+    distance = away - 1;
+  }
+  return best;
+}
+
+// Own bombs are never news.
+AgentId BombMatch::LikelyOwner(const Bomb& seen) const {
+  AgentId likely = (self_ + 1) % kAgentCount;
+  int nearest = kCellCount;
+  for (AgentId id = 0; id < kAgentCount; ++id) {
+    const AgentState& agent = state_.agents[id];
+    const int distance = ManhattanDistance(agent.cell, seen.cell);
+    if (id == self_ || !agent.alive || distance >= nearest) continue;
+    likely = id;
+    nearest = distance;
+  }
+  return likely;
+}
+
+void BombMatch::ChangeAmmo(AgentId id, int change) {
+  if (id == self_) return;
+  std::uint8_t& ammo = state_.agents[id].ammo;
+  ammo = static_cast<std::uint8_t>(std::clamp(ammo + change, 0, kAmmoCap));
+}
+
+// A bomb predicted in view but not seen there has exploded.
+void BombMatch::KeepUnseen() {
+  for (int i = 0; i < candidate_count_; ++i) {
+    const Candidate& candidate = candidates_[i];
+    if (candidate.taken || candidate.exploded) continue;
+    if (sight_.visible.Has(candidate.bomb.cell)) {
+      ChangeAmmo(candidate.bomb.owner(), 1);
+    } else if (state_.bomb_count < kMaxBombs) {
+      state_.AddBomb(candidate.bomb);
+    }
+  }
+}
+
+// Bombs of one step are laid in the order of the agents.
+void BombMatch::SortByAge() {
+  std::ranges::sort(state_.Bombs(), {}, [](const Bomb& bomb) {
+    return std::tuple(bomb.life, bomb.owner(), bomb.cell);
+  });
+}
+
+// The nearest free cell out of sight; the same one if there is none.
+Cell HidingPlace(const State& state, BitBoard visible, Cell from) {
+  Cell best = from;
+  int nearest = kCellCount;
+  ForEachCell(state.Walkable() & ~state.Items() & ~visible, [&](Cell cell) {
+    const int distance = ManhattanDistance(from, cell);
+    if (distance >= nearest) return;
+    best = cell;
+    nearest = distance;
+  });
+  return best;
+}
+
+// Moves living agents out of sight from where they cannot be: cells in view, in flames or of
+// others.
+void HideAgents(const Sight& sight, State& state) {
+  BitBoard taken = sight.visible | state.Flames();
+  for (AgentId id = 0; id < kAgentCount; ++id) {
+    AgentState& agent = state.agents[id];
+    if (!agent.alive || sight.agents[id] != kNoCell) continue;
+    if (taken.Has(agent.cell)) {
+      agent.cell = static_cast<std::uint8_t>(HidingPlace(state, sight.visible, agent.cell));
+    }
+    taken.Add(agent.cell);
+  }
+}
+
+// Agent i starts in corner i. Where corners are permuted, whose corner we start in has ours.
+void PlaceAtStart(const GameSettings& settings, const Observation& observation, State& state) {
+  const int last = settings.board_size - 2;
+  std::array<Cell, kAgentCount> corners = {CellAt(1, 1), CellAt(last, 1), CellAt(last, last),
+                                           CellAt(1, last)};
+  if (settings.mode == Mode::kOneVsOne) std::swap(corners[1], corners[2]);
+  const auto own = std::ranges::find(corners, Cell{observation.position});
+  if (own != corners.end()) std::swap(*own, corners[observation.self]);
+  for (AgentId id = 0; id < kAgentCount; ++id) {
+    state.agents[id].cell = static_cast<std::uint8_t>(corners[id]);
+  }
+}
+
+void AssumeTheWorst(const GameSettings& settings, AgentId self, State& state) {
+  for (AgentId id = 0; id < kAgentCount; ++id) {
+    if (id == self) continue;
+    AgentState& agent = state.agents[id];
+    agent.ammo = kAmmoCap;
+    agent.blast_strength = static_cast<std::uint8_t>(settings.blast_strength_cap);
+    agent.can_kick = true;
+  }
+}
+
+// Cells and bombs out of sight are forgotten; agents are on their start corners again.
+void Forget(const GameSettings& settings, const Observation& observation, BitBoard visible,
+            State& state) {
+  state.rigid &= visible;
+  state.wood &= visible;
+  state.RemoveItems(~visible);
+  for (BitBoard& flames : state.flames) flames &= visible;
+  state.RemoveBombs(~visible);
+  PlaceAtStart(settings, observation, state);
+}
+
+}  // namespace
+
+Belief::Belief(const GameSettings& settings, const BeliefSettings& belief_settings)
+    : settings_(settings), belief_settings_(belief_settings) {}
+
+void Belief::Observe(const Observation& observation) {
+  const Sight sight(observation);
+  const bool goes_on = ever_seen_.Any() && observation.step == state_.step + 1;
+  self_ = observation.self;
+  State before;
+  if (goes_on) {
+    Collapse(settings_, state_);
+    before = state_;
+    state_ = Predict(settings_, sight, before);
+  } else {
+    state_ = State();
+    ever_seen_ = BitBoard();
+    PlaceAtStart(settings_, observation, state_);
+  }
+  state_.step = observation.step;
+  if (!belief_settings_.remember_cells) {
+    Forget(settings_, observation, sight.visible, state_);
+  }
+  SeeAgents(observation, sight, state_);
+  SeeCells(sight, state_);
+  SeeFlames(sight, state_);
+  BombMatch(sight, self_, before, state_).Run();
+  HideAgents(sight, state_);
+  if (IsTeamMode(settings_.mode)) {
+    state_.messages[TeamMateOf(settings_.mode, self_)] = observation.message;
+  }
+  if (belief_settings_.statistics == BeliefSettings::Statistics::kWorstCase) {
+    AssumeTheWorst(settings_, self_, state_);
+  }
+  visible_ = sight.visible;
+  ever_seen_ |= visible_;
+}
+
+}  // namespace powderkeg
