@@ -57,8 +57,13 @@ void SetValue(const std::string& change, const std::string& value, const FieldDe
     reflection.SetString(&message, &field, value);
   } else if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
     RefuseChange(change, StrCat("\"", field.name(), "\" is a section, not a setting"));
-  } else if (!TextFormat::ParseFieldValueFromString(value, &field, &message)) {
-    RefuseChange(change, StrCat("\"", value, "\" is not of type ", field.cpp_type_name()));
+  } else {
+    FirstFault fault("value");
+    TextFormat::Parser parser;
+    parser.RecordErrorsTo(&fault);
+    if (!parser.ParseFieldValueFromString(value, &field, &message)) {
+      RefuseChange(change, StrCat("\"", value, "\" is not of type ", field.cpp_type_name()));
+    }
   }
 }
 

@@ -1,6 +1,7 @@
 #include "common/config/config_proto.h"
 
 #include <google/protobuf/descriptor.h>
+#include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/text_format.h>
 
 #include <algorithm>
@@ -24,6 +25,12 @@ struct Range {
   double low;
   double high;
   bool above = false;
+};
+
+// Otherwise protobuf writes faults to standard error.
+class Silent : public google::protobuf::io::ErrorCollector {
+ public:
+  void AddError(int, google::protobuf::io::ColumnNumber, const std::string&) override {}
 };
 
 const FieldDescriptor& FieldOf(const Message& message, const char* name) {
@@ -185,7 +192,12 @@ class Writer {
     if (field == nullptr) throw Error(StrCat("search option \"", name, "\" is unknown"));
     if (field->cpp_type() == FieldDescriptor::CPPTYPE_STRING) {
       message.GetReflection()->SetString(&message, field, text);
-    } else if (!google::protobuf::TextFormat::ParseFieldValueFromString(text, field, &message)) {
+      return;
+    }
+    Silent faults;
+    google::protobuf::TextFormat::Parser parser;
+    parser.RecordErrorsTo(&faults);
+    if (!parser.ParseFieldValueFromString(text, field, &message)) {
       throw Error(StrCat("search option ", name, " is \"", text, "\"; expected a value of type ",
                          field->cpp_type_name()));
     }

@@ -2,6 +2,8 @@
 
 #include "common/wire/codec.h"
 
+#include <google/protobuf/stubs/logging.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -287,6 +289,7 @@ std::string Encode(const WireMessage& message) {
 }
 
 Decoded<WireMessage> Decode(std::string_view bytes) {
+  const google::protobuf::LogSilencer silence;  // a peer must not write our log
   proto::Envelope envelope;
   if (bytes.size() > static_cast<std::size_t>(kMaxMessageBytes) ||
       !envelope.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {

@@ -78,8 +78,9 @@ class InProcessServer final : public ServerChannel {
     const auto client = shared_->clients.find(peer);
     if (client == shared_->clients.end()) return false;
     if (client->second->messages.size() >= kCapacity) return false;
-    if (!shared_->to_clients(bytes)) return true;
-    client->second->messages.push_back(bytes);
+    std::string passed = bytes;
+    if (!shared_->to_clients(passed)) return true;
+    client->second->messages.push_back(std::move(passed));
     client->second->filled.Notify();
     return true;
   }
@@ -109,8 +110,9 @@ class InProcessClient final : public ClientChannel {
   bool Send(const std::string& bytes) override {
     const std::lock_guard lock(shared_->mutex);
     if (shared_->server == nullptr || shared_->server->messages.size() >= kCapacity) return false;
-    if (!shared_->to_server(bytes)) return true;
-    shared_->server->messages.push_back({.peer = peer_, .bytes = bytes});
+    std::string passed = bytes;
+    if (!shared_->to_server(passed)) return true;
+    shared_->server->messages.push_back({.peer = peer_, .bytes = std::move(passed)});
     shared_->server->filled.Notify();
     return true;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
-// Channels within one process, for tests: no sockets, and messages can be lost on purpose.
+// Channels within one process, for tests: no sockets, and messages can be lost or
+// changed on purpose.
 
 #include <functional>
 #include <memory>
@@ -14,8 +15,9 @@ namespace powderkeg {
 // the old server. Thread-safe. Channels may outlive the network.
 class InProcessNetwork {
  public:
-  // Decides whether a message passes; called under a lock, so it must not use the network.
-  using Filter = std::function<bool(const std::string& bytes)>;
+  // Decides whether a message passes, and may change it; called under a lock, so it must not use
+  // the network.
+  using Filter = std::function<bool(std::string& bytes)>;
 
   InProcessNetwork();
 

@@ -29,19 +29,19 @@ inline constexpr std::int64_t kMaxMessageBytes = std::int64_t{4} << 20;
 
 struct Hello {
   std::uint32_t protocol_version = kProtocolVersion;
-  std::string run_id;
-  std::string build;
-  std::string name;
+  std::string run_id{};
+  std::string build{};
+  std::string name{};
   std::uint64_t incarnation = 0;
   std::uint32_t loops = 1;
-  std::vector<std::uint64_t> tickets;
+  std::vector<std::uint64_t> tickets{};
 
   friend bool operator==(const Hello&, const Hello&) = default;
 };
 
 struct Welcome {
-  std::string run_id;
-  SelfPlayConfig self_play;
+  std::string run_id{};
+  SelfPlayConfig self_play{};
   Sha256Digest settings_digest{};
   std::chrono::milliseconds heartbeat{1000};
   std::chrono::milliseconds dead_after{5000};
@@ -50,7 +50,7 @@ struct Welcome {
 };
 
 struct Refused {
-  std::string reason;
+  std::string reason{};
   bool retry = false;
 
   friend bool operator==(const Refused&, const Refused&) = default;
@@ -59,7 +59,7 @@ struct Refused {
 // A finished game in the form that is spooled and sent.
 struct SealedGame {
   std::uint64_t ticket = 0;
-  std::string record;  // a GameRecord, see EncodeRecord
+  std::string record{};  // a GameRecord, see EncodeRecord
   std::uint32_t checksum = 0;
   Sha256Digest settings_digest{};
 
@@ -67,22 +67,22 @@ struct SealedGame {
 };
 
 struct Games {
-  std::vector<SealedGame> games;
+  std::vector<SealedGame> games{};
 
   friend bool operator==(const Games&, const Games&) = default;
 };
 
 struct RejectedGame {
   std::uint64_t ticket = 0;
-  std::string reason;
+  std::string reason{};
 
   friend bool operator==(const RejectedGame&, const RejectedGame&) = default;
 };
 
 struct Ack {
-  std::vector<std::uint64_t> durable;
-  std::vector<RejectedGame> rejected;
-  std::vector<std::uint64_t> tickets;
+  std::vector<std::uint64_t> durable{};
+  std::vector<RejectedGame> rejected{};
+  std::vector<std::uint64_t> tickets{};
 
   friend bool operator==(const Ack&, const Ack&) = default;
 };
@@ -105,7 +105,7 @@ struct WeightsRequest {
 struct WeightsChunk {
   std::uint32_t version = 0;
   std::uint64_t offset_bytes = 0;
-  std::string data;
+  std::string data{};
 
   friend bool operator==(const WeightsChunk&, const WeightsChunk&) = default;
 };
@@ -130,7 +130,7 @@ struct Heartbeat {
 };
 
 struct Goodbye {
-  std::string reason;
+  std::string reason{};
   bool run_complete = false;
 
   friend bool operator==(const Goodbye&, const Goodbye&) = default;

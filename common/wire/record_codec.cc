@@ -1,5 +1,7 @@
 // Game records: GameRecord <-> proto/game_record.proto.
 
+#include <google/protobuf/stubs/logging.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -249,6 +251,7 @@ Decoded<GameRecord> DecodeRecord(std::string_view bytes) {
   if (bytes.size() > kMaxRecordBytes) {
     return Malformed{StrCat("game record of ", bytes.size(), " bytes; at most ", kMaxRecordBytes)};
   }
+  const google::protobuf::LogSilencer silence;  // a peer must not write our log
   proto::GameRecord message;
   if (!message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
     return Malformed{"game record: not a valid message"};

@@ -1,8 +1,10 @@
 #include "common/wire/waker.h"
 
+#include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdint>
 #include <cstring>
 
@@ -25,6 +27,12 @@ void Waker::Notify() const {
 void Waker::Clear() const {
   std::uint64_t count = 0;
   [[maybe_unused]] const auto got = read(file_descriptor_, &count, sizeof count);
+}
+
+void Waker::Wait(std::chrono::milliseconds timeout) const {
+  pollfd file{.fd = file_descriptor_, .events = POLLIN, .revents = 0};
+  poll(&file, 1, static_cast<int>(timeout.count()));
+  Clear();
 }
 
 }  // namespace powderkeg

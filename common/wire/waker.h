@@ -2,6 +2,8 @@
 
 // Ends another thread's wait for messages.
 
+#include <chrono>
+
 namespace powderkeg {
 
 // Notifications are not counted: several before the next wait end it once. Thread-safe.
@@ -16,6 +18,8 @@ class Waker {
   void Notify() const;
   // Forgets the notifications so far.
   void Clear() const;
+  // Returns when notified or time is up; clears.
+  void Wait(std::chrono::milliseconds timeout) const;
   // Readable while there are notifications.
   [[nodiscard]] int file_descriptor() const { return file_descriptor_; }
 

@@ -19,7 +19,7 @@ namespace powderkeg {
 struct ListenSettings {
   std::string endpoint;  // tcp://*:PORT, tcp://127.0.0.1:0 (any free port), ipc://PATH
   // Folder of keys (keys.h); without one nothing is encrypted and everybody is let in.
-  std::optional<std::filesystem::path> keys;
+  std::optional<std::filesystem::path> keys{};
   // Without keys only local addresses are listened on, unless this says otherwise.
   bool allow_insecure = false;
 };

@@ -1,0 +1,204 @@
+#include "actors/selfplay/outbox.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/base/digest.h"
+#include "common/base/log.h"
+
+namespace powderkeg {
+namespace {
+
+constexpr std::string_view kMagic = "PKSPOOL1";
+constexpr std::size_t kEntryHeader = 8;
+constexpr std::size_t kPayloadHeader = 8 + 4 + 32;
+// A file with more dead bytes than living ones, and than this, is rewritten.
+constexpr std::size_t kRewriteBytes = std::size_t{1} << 20;
+
+[[noreturn]] void Fail(const std::string& what, const std::filesystem::path& path) {
+  throw Error(StrCat("outbox: cannot ", what, " ", path, ": ", std::strerror(errno)));
+}
+
+void PutNumber(std::string& bytes, std::uint64_t number, int size) {
+  for (int i = 0; i < size; ++i) bytes.push_back(static_cast<char>(number >> (8 * i)));
+}
+
+std::uint64_t NumberAt(std::string_view bytes, std::size_t at, int size) {
+  std::uint64_t number = 0;
+  for (int i = size - 1; i >= 0; --i) {
+    number = number << 8 | static_cast<std::uint8_t>(bytes[at + static_cast<std::size_t>(i)]);
+  }
+  return number;
+}
+
+std::string EntryOf(const SealedGame& game) {
+  std::string payload;
+  payload.reserve(kPayloadHeader + game.record.size());
+  PutNumber(payload, game.ticket, 8);
+  PutNumber(payload, game.checksum, 4);
+  payload.append(game.settings_digest.begin(), game.settings_digest.end());
+  payload.append(game.record);
+  std::string entry;
+  PutNumber(entry, payload.size(), 4);
+  PutNumber(entry, Crc32c(BytesOf(payload)), 4);
+  return entry + payload;
+}
+
+std::size_t EntrySize(const SealedGame& game) {
+  return kEntryHeader + kPayloadHeader + game.record.size();
+}
+
+// The game at the front of `bytes`; nullopt if it is damaged or cut off.
+std::optional<SealedGame> GameAt(std::string_view bytes) {
+  if (bytes.size() < kEntryHeader + kPayloadHeader) return std::nullopt;
+  const std::size_t size = NumberAt(bytes, 0, 4);
+  if (size < kPayloadHeader || size > bytes.size() - kEntryHeader) return std::nullopt;
+  const std::string_view payload = bytes.substr(kEntryHeader, size);
+  if (Crc32c(BytesOf(payload)) != NumberAt(bytes, 4, 4)) return std::nullopt;
+  SealedGame game{.ticket = NumberAt(payload, 0, 8),
+                  .record = std::string(payload.substr(kPayloadHeader)),
+                  .checksum = static_cast<std::uint32_t>(NumberAt(payload, 8, 4)),
+                  .settings_digest = {}};
+  std::copy_n(payload.begin() + 12, game.settings_digest.size(), game.settings_digest.begin());
+  return game;
+}
+
+int OpenLocked(const std::filesystem::path& path, int flags) {
+  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_APPEND | flags, 0644);
+  if (file < 0) Fail("open", path);
+  if (flock(file, LOCK_EX | LOCK_NB) != 0) {
+    close(file);
+    throw Error(StrCat("outbox: another actor uses ", path, "; give each its own --spool"));
+  }
+  return file;
+}
+
+void WriteAll(int file, std::string_view bytes, const std::filesystem::path& path) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno != EINTR) Fail("write", path);
+    if (written > 0) bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+}  // namespace
+
+Outbox::Outbox(const std::filesystem::path& folder, std::size_t limit_bytes)
+    : path_(folder / "outbox.spool"), limit_bytes_(limit_bytes) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  file_ = OpenLocked(path_, 0);
+  Load();
+}
+
+Outbox::~Outbox() { close(file_); }
+
+void Outbox::Load() {
+  std::ifstream input(path_, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(input), {});
+  if (bytes.size() < kMagic.size()) {  // new, or not even its name was written
+    if (ftruncate(file_, 0) != 0) Fail("empty", path_);
+    WriteAll(file_, kMagic, path_);
+    file_bytes_ = kMagic.size();
+    return;
+  }
+  if (!bytes.starts_with(kMagic)) {
+    throw Error(StrCat("outbox: ", path_, " is not a spool; expected \"", kMagic, "\" first"));
+  }
+  file_bytes_ = kMagic.size();
+  while (auto game = GameAt(std::string_view(bytes).substr(file_bytes_))) {
+    file_bytes_ += EntrySize(*game);
+    if (!numbers_.emplace(game->ticket, last_number_ + 1).second) continue;
+    record_bytes_ += game->record.size();
+    games_.emplace(++last_number_, *std::move(game));
+  }
+  if (file_bytes_ == bytes.size()) return;
+  log::Warn("outbox: dropped a damaged end", "file", path_.string(), "bytes",
+            bytes.size() - file_bytes_);
+  if (ftruncate(file_, static_cast<off_t>(file_bytes_)) != 0) Fail("shorten", path_);
+}
+
+void Outbox::Add(SealedGame game) {
+  const std::lock_guard lock(mutex_);
+  if (numbers_.contains(game.ticket)) return;
+  WriteAll(file_, EntryOf(game), path_);
+  if (fdatasync(file_) != 0) Fail("sync", path_);
+  file_bytes_ += EntrySize(game);
+  record_bytes_ += game.record.size();
+  numbers_[game.ticket] = ++last_number_;
+  games_.emplace(last_number_, std::move(game));
+}
+
+void Outbox::Remove(std::uint64_t ticket) {
+  const std::lock_guard lock(mutex_);
+  const auto number = numbers_.find(ticket);
+  if (number == numbers_.end()) return;
+  const auto game = games_.find(number->second);
+  record_bytes_ -= game->second.record.size();
+  games_.erase(game);
+  numbers_.erase(number);
+  if (games_.empty()) {
+    file_bytes_ = kMagic.size();
+    if (ftruncate(file_, static_cast<off_t>(file_bytes_)) != 0) Fail("empty", path_);
+  } else if (file_bytes_ > 2 * record_bytes_ + kRewriteBytes) {
+    Rewrite();
+  }
+}
+
+// Whole or not at all: temporary file, fsync, rename.
+void Outbox::Rewrite() {
+  const std::filesystem::path temporary = path_.string() + ".new";
+  const int file = OpenLocked(temporary, O_TRUNC);
+  std::string bytes(kMagic);
+  for (const auto& [number, game] : games_) bytes += EntryOf(game);
+  WriteAll(file, bytes, temporary);
+  if (fdatasync(file) != 0) Fail("sync", temporary);
+  if (std::rename(temporary.c_str(), path_.c_str()) != 0) Fail("rename", temporary);
+  close(file_);
+  file_ = file;
+  file_bytes_ = bytes.size();
+}
+
+std::vector<SealedGame> Outbox::Batch(std::uint64_t& cursor, std::size_t max_bytes) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<SealedGame> batch;
+  std::size_t bytes = 0;
+  for (auto game = games_.upper_bound(cursor); game != games_.end(); ++game) {
+    bytes += game->second.record.size();
+    if (!batch.empty() && bytes > max_bytes) break;
+    batch.push_back(game->second);
+    cursor = game->first;
+  }
+  return batch;
+}
+
+std::vector<std::uint64_t> Outbox::Tickets() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::uint64_t> tickets;
+  for (const auto& [ticket, number] : numbers_) tickets.push_back(ticket);
+  return tickets;
+}
+
+std::size_t Outbox::size() const {
+  const std::lock_guard lock(mutex_);
+  return games_.size();
+}
+
+std::size_t Outbox::bytes() const {
+  const std::lock_guard lock(mutex_);
+  return record_bytes_;
+}
+
+}  // namespace powderkeg

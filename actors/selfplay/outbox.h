@@ -1,0 +1,70 @@
+#pragma once
+
+// Finished games that the learner has not acknowledged, kept on disk: they survive the actor.
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "common/wire/messages.h"
+
+namespace powderkeg {
+
+// A spool: one append-only file of checksummed entries, locked by its owner, emptied when
+// everything in it is acknowledged and rewritten when most of it is. What an entry lost at its end
+// by a crash is dropped when the file is read back; acknowledgements are not written, so a game may
+// be sent again after a crash, which the learner recognises by its ticket. Thread-safe.
+//
+// The file: "PKSPOOL1", then per game, little-endian: u32 size of the payload, u32 its CRC-32C, the
+// payload: u64 ticket, u32 checksum of the record, 32 bytes settings digest, the record.
+class Outbox {
+ public:
+  // Opens or makes `folder`/outbox.spool and reads the games in it. `limit_bytes` is what full()
+  // goes by. Throws Error if the file cannot be written, is no spool, or another actor uses it.
+  Outbox(const std::filesystem::path& folder, std::size_t limit_bytes);
+  ~Outbox();
+  Outbox(const Outbox&) = delete;
+  Outbox& operator=(const Outbox&) = delete;
+
+  // Durable (fsync) when it returns; a ticket that is in it already is dropped. Throws Error if
+  // the disk is full.
+  void Add(SealedGame game);
+
+  // Removes a game; one that is not in it is passed over. Throws Error if the file cannot be
+  // rewritten.
+  void Remove(std::uint64_t ticket);
+
+  // Games in order of Add, from the one after `cursor` (0: from the first), as many as fit into
+  // `max_bytes` of records but at least one if there is one; moves the cursor behind them.
+  [[nodiscard]] std::vector<SealedGame> Batch(std::uint64_t& cursor, std::size_t max_bytes) const;
+
+  // Of all games in it, ascending.
+  [[nodiscard]] std::vector<std::uint64_t> Tickets() const;
+  [[nodiscard]] std::size_t size() const;
+  // Of the records in it.
+  [[nodiscard]] std::size_t bytes() const;
+  // Whether no new games should be started until some were acknowledged.
+  [[nodiscard]] bool full() const { return bytes() >= limit_bytes_; }
+
+ private:
+  void Open();
+  void Load();
+  void Append(int file, const SealedGame& game);
+  void Rewrite();
+
+  const std::filesystem::path path_;
+  const std::size_t limit_bytes_;
+  mutable std::mutex mutex_;  // guards what follows
+  int file_ = -1;
+  std::size_t file_bytes_ = 0;
+  std::map<std::uint64_t, SealedGame> games_;       // by number of Add, from 1
+  std::map<std::uint64_t, std::uint64_t> numbers_;  // by ticket
+  std::uint64_t last_number_ = 0;
+  std::size_t record_bytes_ = 0;
+};
+
+}  // namespace powderkeg

@@ -1,0 +1,137 @@
+#pragma once
+
+// The actor's side of the session (proto/wire.proto).
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "actors/selfplay/outbox.h"
+#include "actors/selfplay/ticket_book.h"
+#include "common/base/rng.h"
+#include "common/base/worker.h"
+#include "common/model/weights_snapshot.h"
+#include "common/wire/messages.h"
+#include "common/wire/transport.h"
+
+namespace powderkeg {
+
+struct SessionClientSettings {
+  std::string run_id;  // empty: whatever run the learner has
+  std::string build;
+  std::string name;
+  std::uint64_t incarnation = 0;  // random per start; also seeds the jitter
+  std::uint32_t loops = 1;
+  // Until Welcome tells the learner's own figures.
+  std::chrono::milliseconds dead_after{5000};
+  // Wait before connecting again: doubles from first to last, less up to half of it at random.
+  std::chrono::milliseconds first_backoff{200};
+  std::chrono::milliseconds last_backoff{10'000};
+};
+
+// Owns the io thread and its connection, from construction to Leave. Reconnects for ever; after a
+// reconnect every game in the outbox is sent again. Public methods are thread-safe except Leave.
+class SessionClient {
+ public:
+  // `outbox`, `tickets` must outlive it. `statistics` is called on the io thread.
+  SessionClient(SessionClientSettings settings, Connect connect, Outbox& outbox,
+                TicketBook& tickets, std::function<Heartbeat()> statistics);
+  // Leaves at once if nobody did; an Error is logged.
+  ~SessionClient();
+  SessionClient(const SessionClient&) = delete;
+  SessionClient& operator=(const SessionClient&) = delete;
+
+  // A game was added to the outbox.
+  void GameAdded() { waker_.Notify(); }
+
+  // The newest Welcome; null before the first. Changes when the learner returns with other
+  // settings.
+  [[nodiscard]] std::shared_ptr<const Welcome> welcome() const;
+  // The newest weights, whole and checked; null before the first.
+  [[nodiscard]] Snapshot weights() const;
+  // Waits until either of the above or ended() changed since the call of `version`, or time is up.
+  [[nodiscard]] std::uint64_t version() const;
+  void WaitForChange(std::uint64_t version, std::chrono::milliseconds timeout) const;
+
+  // Whether the session is over: the run is complete, or the actor was refused for good (Leave
+  // rethrows that).
+  [[nodiscard]] bool ended() const { return ended_; }
+
+  // Waits until the outbox is acknowledged, for `patience` at most, says Goodbye and joins.
+  // Rethrows the Error that ended the session.
+  void Leave(std::chrono::milliseconds patience);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  // How a connection ended.
+  enum class End : std::uint8_t { kRetry, kOver };
+  struct Download {
+    WeightsOffer offer;
+    std::string bytes;               // so far
+    Clock::time_point requested_at;  // the next chunk
+  };
+  // One connection.
+  struct Connection {
+    std::unique_ptr<ClientChannel> channel;
+    bool greeted = false;      // Hello was taken by the channel
+    bool welcomed = false;     // Welcome has come
+    std::uint64_t cursor = 0;  // in the outbox: what was sent on this connection
+    Clock::time_point last_heard;
+    Clock::time_point last_heartbeat;
+    std::optional<End> end;
+  };
+
+  void Run(const std::stop_token& stop);
+  void Pause(std::chrono::milliseconds backoff);
+  [[nodiscard]] End Serve(Connection& connection);
+  void Greet(Connection& connection);
+  void SendGames(Connection& connection);
+  void SendHeartbeat(Connection& connection, Clock::time_point now);
+  void CheckDownload(Connection& connection, Clock::time_point now);
+  void CheckSilence(Connection& connection, Clock::time_point now) const;
+  void CheckLeaving(Connection& connection, Clock::time_point now);
+  void Handle(Connection& connection, const std::string& bytes);
+  void Handle(Connection& connection, const Welcome& welcome);
+  void Handle(Connection& connection, const Refused& refused);
+  void Handle(Connection& connection, const Ack& ack);
+  void Handle(Connection& connection, const WeightsOffer& offer);
+  void Handle(Connection& connection, WeightsChunk& chunk);
+  void Handle(Connection& connection, const Goodbye& goodbye);
+  void RequestChunk(Connection& connection);
+  void FinishDownload(Connection& connection);
+  void Changed();
+  [[nodiscard]] std::optional<Clock::time_point> deadline() const;
+
+  const SessionClientSettings settings_;
+  const Connect connect_;
+  Outbox& outbox_;
+  TicketBook& tickets_;
+  const std::function<Heartbeat()> statistics_;
+  const Waker waker_;
+
+  // The io thread's.
+  std::chrono::milliseconds heartbeat_{1000};
+  std::chrono::milliseconds dead_after_;
+  std::optional<Download> download_;
+  Rng rng_;
+
+  mutable std::mutex mutex_;  // guards these
+  mutable std::condition_variable changed_;
+  std::shared_ptr<const Welcome> welcome_;
+  Snapshot weights_;
+  std::uint64_t version_ = 0;
+  std::optional<Clock::time_point> deadline_;  // set when leaving
+
+  std::atomic<bool> ended_ = false;
+  std::unique_ptr<Worker> io_;
+};
+
+}  // namespace powderkeg

@@ -1,0 +1,50 @@
+#pragma once
+
+// The tickets an actor was granted, until the learner has settled them.
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace powderkeg {
+
+// A ticket waits, then is in play (or its game lies in the outbox), until it is settled.
+// Thread-safe.
+class TicketBook {
+ public:
+  // Tickets that are in it already stay as they are.
+  void Grant(std::span<const std::uint64_t> tickets);
+  // As Grant, for games that were played already and lie in the outbox.
+  void GrantPlayed(std::span<const std::uint64_t> tickets);
+
+  // The lowest waiting ticket; it is in play from now on. nullopt: none waits.
+  [[nodiscard]] std::optional<std::uint64_t> Take();
+  // A ticket in play waits again: its game was given up.
+  void PutBack(std::uint64_t ticket);
+
+  // The game is acknowledged or rejected.
+  void Settle(std::uint64_t ticket);
+
+  // Returns when a ticket waits, time is up, or Interrupt was called (at any time).
+  void WaitForTicket(std::chrono::milliseconds timeout) const;
+  void Interrupt();
+
+  // All of them, ascending.
+  [[nodiscard]] std::vector<std::uint64_t> Held() const;
+  [[nodiscard]] std::size_t waiting() const;
+
+ private:
+  mutable std::mutex mutex_;  // guards what follows
+  mutable std::condition_variable changed_;
+  std::map<std::uint64_t, bool> waiting_by_ticket_;
+  std::size_t waiting_ = 0;
+  bool interrupted_ = false;
+};
+
+}  // namespace powderkeg

@@ -1,0 +1,182 @@
+#pragma once
+
+// The learner's side of the session (proto/wire.proto): takes games in, hands weights out.
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/base/worker.h"
+#include "common/config/run_config.h"
+#include "common/model/weights_snapshot.h"
+#include "common/wire/messages.h"
+#include "common/wire/transport.h"
+#include "learner/intake/game_pipeline.h"
+#include "learner/intake/ticket_office.h"
+
+namespace powderkeg {
+
+struct SessionServerSettings {
+  std::string run_id;
+  SelfPlayConfig self_play;
+  std::chrono::milliseconds heartbeat{1000};
+  std::chrono::milliseconds dead_after{5000};
+  // A game waits at most this long for others to be made durable with it.
+  std::chrono::milliseconds commit_interval{250};
+  int verify_threads = 1;
+  std::size_t max_sessions = 1024;
+  // Games received and not yet durable. Beyond one of these the server stops reading until some
+  // are: actors then run out of tickets and pause.
+  std::size_t max_pending_games = 65'536;
+  std::size_t max_pending_bytes = std::size_t{256} << 20;
+  // An actor that had so many games rejected in one session is refused.
+  std::uint64_t max_rejected_games = 16;
+};
+
+struct ActorStatistics {
+  std::string name;
+  Heartbeat heartbeat;                   // its last one
+  std::chrono::milliseconds silence{0};  // since its last message
+  std::size_t tickets = 0;               // held
+  std::uint64_t games = 0;               // durable, in this session
+  std::uint64_t rejected = 0;            // in this session
+};
+
+// Since the start of the server.
+struct IntakeStatistics {
+  std::vector<ActorStatistics> actors;  // by name
+  std::uint64_t games = 0;              // made durable
+  std::uint64_t decisions = 0;          // in those
+  std::uint64_t duplicates = 0;         // games that were durable already
+  std::uint64_t rejected = 0;
+  std::uint64_t other_settings = 0;  // durable games played under other settings of the search
+  std::uint64_t malformed = 0;       // messages that could not be read
+  std::uint64_t sessions_lost = 0;   // ended by silence
+  std::size_t pending_games = 0;     // received, not yet durable
+  std::uint64_t tickets_issued = 0;
+  std::uint64_t first_open_ticket = 0;  // all games below are durable
+};
+
+// How many tickets an actor is to hold: every game it plays at once and a quarter more, so that
+// slots stay busy while games wait for their acknowledgement.
+[[nodiscard]] std::size_t TicketTarget(std::uint32_t loops, int games_in_flight);
+
+// Owns the io thread (channel, sessions, tickets) and the pipeline from construction to Stop.
+// Public methods are thread-safe except Stop.
+class SessionServer {
+ public:
+  // Durable from earlier are all tickets below `first_open` and `known`. Throws Error if the
+  // settings name an unknown environment or policy.
+  SessionServer(SessionServerSettings settings, std::unique_ptr<ServerChannel> channel,
+                AppendGames append, std::span<const std::uint64_t> known = {},
+                std::uint64_t first_open = 0);
+  // Stops if nobody did; an Error is logged.
+  ~SessionServer();
+  SessionServer(const SessionServer&) = delete;
+  SessionServer& operator=(const SessionServer&) = delete;
+
+  // Offers these weights to every actor, now and later; versions ascend. Throws Error if they are
+  // too large for the wire.
+  void Publish(const Snapshot& snapshot);
+
+  // At most a tenth of a heartbeat old.
+  [[nodiscard]] IntakeStatistics statistics() const;
+
+  // Whether a thread ended by an Error: Stop rethrows it.
+  [[nodiscard]] bool failed() const;
+
+  // Takes no more games, makes durable what was received, acknowledges it, says `goodbye` to every
+  // actor and joins. Rethrows the first Error of a thread.
+  void Stop(const Goodbye& goodbye);
+
+  // Where actors on this machine connect to.
+  [[nodiscard]] const std::string& endpoint() const { return endpoint_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  struct Session {
+    SessionId id = 0;
+    Hello hello;
+    Clock::time_point last_heard;
+    Clock::time_point last_sent;
+    Heartbeat heartbeat;
+    std::uint64_t games = 0;
+    std::uint64_t rejected = 0;
+    std::size_t pending = 0;  // games in the pipeline
+  };
+  struct PublishedWeights {
+    WeightsOffer offer;
+    std::string bytes;
+  };
+  // Lines about bad peers are limited: an attacker must not fill the disk.
+  struct LogBudget {
+    Clock::time_point second;
+    int left = 0;
+    bool Spend(Clock::time_point now);
+  };
+
+  // All on the io thread.
+  void RunIo(const std::stop_token& stop);
+  void ReceiveSome();
+  void Handle(Incoming& incoming);
+  void HandleSessionMessage(const PeerId& peer, WireMessage& message);
+  void OpenSession(const PeerId& peer, const Hello& hello);
+  [[nodiscard]] std::optional<Refused> Objection(const Hello& hello) const;
+  void ReplaceNamesake(const Hello& hello);
+  void TakeGames(const PeerId& peer, Games& games);
+  [[nodiscard]] bool Admit(Session& session, SealedGame& game, Ack& ack);
+  void SendChunk(const PeerId& peer, const WeightsRequest& request);
+  void HandleVerdicts();
+  void Settle(const Verdict& verdict, std::map<PeerId, Ack>& acks);
+  void SendAck(const PeerId& peer, const Ack& ack);
+  void TopUp(const PeerId& peer, Ack& ack);
+  void OfferNewWeights();
+  void Tick(Clock::time_point now);
+  void EndSilentSessions(Clock::time_point now);
+  void UpdateStatistics(Clock::time_point now);
+  [[nodiscard]] bool Full() const;
+  // Ends the session if the peer does not take the message.
+  void SendToSession(const PeerId& peer, const WireMessage& message);
+  // Ends the session, if there is one, and says why.
+  void Refuse(const PeerId& peer, const Refused& refused);
+  void EndSession(const PeerId& peer);
+
+  const SessionServerSettings settings_;
+  const Sha256Digest settings_digest_;
+  const Waker waker_;
+
+  // The io thread's.
+  std::unique_ptr<ServerChannel> channel_;
+  TicketOffice office_;
+  std::map<PeerId, Session> sessions_;
+  std::map<SessionId, PeerId> peers_;
+  SessionId last_session_ = 0;
+  std::shared_ptr<const PublishedWeights> offered_;
+  std::size_t pending_games_ = 0;
+  std::size_t pending_bytes_ = 0;
+  IntakeStatistics counters_;
+  LogBudget log_budget_;
+  Clock::time_point last_tick_;
+  Clock::time_point caught_up_;  // when there was nothing left to receive
+
+  mutable std::mutex mutex_;  // guards these
+  std::shared_ptr<const PublishedWeights> newest_;
+  IntakeStatistics statistics_;
+  Goodbye goodbye_;
+
+  std::atomic<bool> stopping_ = false;
+  std::string endpoint_;
+  GamePipeline pipeline_;
+  std::unique_ptr<Worker> io_;
+};
+
+}  // namespace powderkeg

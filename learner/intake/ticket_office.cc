@@ -1,0 +1,105 @@
+#include "learner/intake/ticket_office.h"
+
+#include <algorithm>
+
+#include "common/base/check.h"
+
+namespace powderkeg {
+
+bool TicketSet::Insert(std::uint64_t ticket) {
+  if (Contains(ticket)) return false;
+  beyond_.insert(ticket);
+  while (!beyond_.empty() && *beyond_.begin() == first_open_) {
+    beyond_.erase(beyond_.begin());
+    ++first_open_;
+  }
+  return true;
+}
+
+bool TicketSet::Contains(std::uint64_t ticket) const {
+  return ticket < first_open_ || beyond_.contains(ticket);
+}
+
+std::uint64_t TicketSet::end() const {
+  return beyond_.empty() ? first_open_ : *beyond_.rbegin() + 1;
+}
+
+TicketOffice::TicketOffice(std::span<const std::uint64_t> known, std::uint64_t first_open)
+    : durable_(first_open) {
+  for (const std::uint64_t ticket : known) durable_.Insert(ticket);
+  issued_ = durable_.end();
+  for (std::uint64_t ticket = durable_.first_open(); ticket < issued_; ++ticket) {
+    if (!durable_.Contains(ticket)) open_.insert(ticket);
+  }
+}
+
+std::vector<std::uint64_t> TicketOffice::Grant(SessionId session, std::size_t count) {
+  std::vector<std::uint64_t> tickets;
+  tickets.reserve(count);
+  while (tickets.size() < count && !open_.empty()) {
+    tickets.push_back(*open_.begin());
+    open_.erase(open_.begin());
+  }
+  while (tickets.size() < count) tickets.push_back(issued_++);
+  for (const std::uint64_t ticket : tickets) Hold(session, ticket);
+  return tickets;
+}
+
+void TicketOffice::Claim(SessionId session, std::span<const std::uint64_t> tickets) {
+  const std::uint64_t limit = std::max(durable_.end(), issued_) + kMaxLead;
+  for (const std::uint64_t ticket : tickets) {
+    if (ticket >= limit) continue;
+    while (issued_ <= ticket) open_.insert(open_.end(), issued_++);
+    if (open_.erase(ticket) != 0) Hold(session, ticket);
+  }
+}
+
+TicketOffice::Standing TicketOffice::StandingOf(std::uint64_t ticket) const {
+  if (ticket >= issued_) return Standing::kNeverIssued;
+  return durable_.Contains(ticket) ? Standing::kDurable : Standing::kAwaited;
+}
+
+void TicketOffice::Complete(std::uint64_t ticket) {
+  CHECK(ticket < issued_, "ticket ", ticket, " of ", issued_);
+  LetGo(ticket);
+  open_.erase(ticket);
+  durable_.Insert(ticket);
+}
+
+void TicketOffice::Reject(SessionId session, std::uint64_t ticket) {
+  const auto holder = holders_.find(ticket);
+  if (holder == holders_.end() || holder->second != session) return;
+  LetGo(ticket);
+  open_.insert(ticket);
+}
+
+void TicketOffice::Release(SessionId session) {
+  const auto found = sessions_.find(session);
+  if (found == sessions_.end()) return;
+  for (const std::uint64_t ticket : found->second) {
+    holders_.erase(ticket);
+    open_.insert(ticket);
+  }
+  sessions_.erase(found);
+}
+
+std::size_t TicketOffice::held(SessionId session) const {
+  const auto found = sessions_.find(session);
+  return found == sessions_.end() ? 0 : found->second.size();
+}
+
+void TicketOffice::Hold(SessionId session, std::uint64_t ticket) {
+  holders_[ticket] = session;
+  sessions_[session].insert(ticket);
+}
+
+void TicketOffice::LetGo(std::uint64_t ticket) {
+  const auto holder = holders_.find(ticket);
+  if (holder == holders_.end()) return;
+  const auto session = sessions_.find(holder->second);
+  session->second.erase(ticket);
+  if (session->second.empty()) sessions_.erase(session);
+  holders_.erase(holder);
+}
+
+}  // namespace powderkeg

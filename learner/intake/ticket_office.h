@@ -1,0 +1,81 @@
+#pragma once
+
+// Who plays which game: the tickets of a run (proto/wire.proto explains them).
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <span>
+#include <vector>
+
+namespace powderkeg {
+
+// A set of tickets that is mostly a prefix 0, 1, ... of all: small however many games there were.
+// One thread.
+class TicketSet {
+ public:
+  // Every ticket below `first_open` is in it.
+  explicit TicketSet(std::uint64_t first_open = 0) : first_open_(first_open) {}
+
+  // False if it was in it already.
+  bool Insert(std::uint64_t ticket);
+  [[nodiscard]] bool Contains(std::uint64_t ticket) const;
+  // The lowest ticket that is not in it.
+  [[nodiscard]] std::uint64_t first_open() const { return first_open_; }
+  // One more than the highest that is in it.
+  [[nodiscard]] std::uint64_t end() const;
+
+ private:
+  std::uint64_t first_open_;
+  std::set<std::uint64_t> beyond_;  // those above first_open_
+};
+
+using SessionId = std::uint64_t;
+
+// Grants tickets, lowest first, and takes back those of sessions that ended. A ticket is in exactly
+// one state: never issued; held by one session; open (issued, held by nobody); durable. Pure logic,
+// one thread.
+class TicketOffice {
+ public:
+  // Durable are, from earlier starts of the learner, all tickets below `first_open` and `known`.
+  explicit TicketOffice(std::span<const std::uint64_t> known, std::uint64_t first_open = 0);
+
+  // `count` tickets for a session, ascending: open ones first, then new ones.
+  [[nodiscard]] std::vector<std::uint64_t> Grant(SessionId session, std::size_t count);
+
+  // A session returns with tickets it was granted earlier, perhaps before a restart of the
+  // learner. It gets those that are open. Numbers beyond the issued ones count as issued with all
+  // below them, unless they exceed them by more than kMaxLead: those are ignored.
+  void Claim(SessionId session, std::span<const std::uint64_t> tickets);
+  static constexpr std::uint64_t kMaxLead = 1u << 20;
+
+  enum class Standing : std::uint8_t { kNeverIssued, kAwaited, kDurable };
+  [[nodiscard]] Standing StandingOf(std::uint64_t ticket) const;
+
+  // The game of an issued ticket is durable, whoever held the ticket.
+  void Complete(std::uint64_t ticket);
+  // The game was refused: if this session holds the ticket, it becomes open.
+  void Reject(SessionId session, std::uint64_t ticket);
+  // The session ended: its tickets become open.
+  void Release(SessionId session);
+
+  // Tickets that a session holds.
+  [[nodiscard]] std::size_t held(SessionId session) const;
+  // All tickets below were issued.
+  [[nodiscard]] std::uint64_t issued() const { return issued_; }
+  // All tickets below are durable.
+  [[nodiscard]] std::uint64_t first_open() const { return durable_.first_open(); }
+
+ private:
+  void Hold(SessionId session, std::uint64_t ticket);
+  void LetGo(std::uint64_t ticket);
+
+  TicketSet durable_;
+  std::uint64_t issued_;
+  std::set<std::uint64_t> open_;
+  std::map<std::uint64_t, SessionId> holders_;
+  std::map<SessionId, std::set<std::uint64_t>> sessions_;
+};
+
+}  // namespace powderkeg

@@ -1,0 +1,310 @@
+// Both sides of the session together, over the in-process network and over real sockets.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "actors/selfplay/outbox.h"
+#include "actors/selfplay/session_client.h"
+#include "actors/selfplay/ticket_book.h"
+#include "common/base/check.h"
+#include "common/model/network_description.h"
+#include "common/wire/in_process_transport.h"
+#include "common/wire/zmq_transport.h"
+#include "learner/intake/session_server.h"
+#include "tests/selfplay/session_support.h"
+#include "tests/wire/played_tickets.h"
+
+namespace powderkeg {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+TEST(SessionTest, AGameIsAcknowledgedWhenItIsDurable) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  EXPECT_EQ(actor.PlayOne(), 0u);
+  EXPECT_TRUE(Eventually([&] { return actor.outbox.size() == 0; }));
+  EXPECT_EQ(learner.Tickets(), (std::vector<std::uint64_t>{0}));
+  EXPECT_EQ(learner.games().front(), PlayTicket(QuickConfig(), 0));
+}
+
+TEST(SessionTest, WorksOverIpcAndTcp) {
+  const std::string ipc = "ipc://" + testing::TempDir() + "pk-session.ipc";
+  for (const std::string& endpoint : {ipc, std::string("tcp://127.0.0.1:0")}) {
+    TestLearner learner(ListenZmq({.endpoint = endpoint}));
+    TestActor actor([&] { return ConnectZmq(learner.server->endpoint(), std::nullopt); });
+    ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+    for (int i = 0; i < 3; ++i) actor.PlayOne();
+    EXPECT_TRUE(Eventually([&] { return actor.outbox.size() == 0; }));
+    EXPECT_EQ(learner.Tickets(), (std::vector<std::uint64_t>{0, 1, 2}));
+  }
+}
+
+TEST(SessionTest, LostAcksAreMadeUpForByTheNextConnection) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  network.FilterToClients([](const std::string&) { return false; });
+  actor.PlayOne();
+  ASSERT_TRUE(Eventually([&] { return learner.Tickets().size() == 1; }));
+  ASSERT_TRUE(Eventually([&] {
+    return learner.server->statistics().actors.empty() ||
+           learner.server->statistics().duplicates > 0;
+  }));
+  network.FilterToClients([](const std::string&) { return true; });
+  EXPECT_TRUE(Eventually([&] { return actor.outbox.size() == 0; }));
+  EXPECT_EQ(learner.Tickets().size(), 1u);
+}
+
+TEST(SessionTest, ALearnerThatReturnsGetsEveryGameOnce) {
+  InProcessNetwork network;
+  auto learner = std::make_unique<TestLearner>(network.Listen());
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() >= 4; }));
+  actor.PlayOne();
+  ASSERT_TRUE(Eventually([&] { return actor.outbox.size() == 0; }));
+  const std::vector<std::uint64_t> known = learner->Tickets();
+  learner.reset();
+  for (int i = 0; i < 3; ++i) actor.PlayOne();
+  TestLearner second(network.Listen(), QuickSettings(), known);
+  EXPECT_TRUE(Eventually([&] { return actor.outbox.size() == 0; }));
+  EXPECT_EQ(second.Tickets(), (std::vector<std::uint64_t>{1, 2, 3}));
+}
+
+TEST(SessionTest, TicketsOfADeadActorGoToAnother) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  auto dead = std::make_unique<TestActor>([&] { return network.Connect(); }, "dead");
+  ASSERT_TRUE(Eventually([&] { return dead->tickets.waiting() > 0; }));
+  const std::vector<std::uint64_t> lost = dead->tickets.Held();
+  network.FilterToServer([](const std::string&) { return false; });
+  ASSERT_TRUE(Eventually([&] { return learner.server->statistics().sessions_lost == 1; }));
+  dead.reset();
+  network.FilterToServer([](const std::string&) { return true; });
+  TestActor other([&] { return network.Connect(); }, "other");
+  ASSERT_TRUE(Eventually([&] { return other.tickets.waiting() > 0; }));
+  EXPECT_EQ(other.tickets.Held(), lost);
+}
+
+TEST(SessionTest, AKilledActorSendsItsSpoolWhenItReturns) {
+  InProcessNetwork network;
+  TemporarySpool spool;
+  TestLearner learner(network.Listen());
+  {
+    TestActor actor([&] { return network.Connect(); }, "a", spool.path());
+    ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+    network.FilterToServer([](const std::string&) { return false; });
+    actor.PlayOne();
+    actor.PlayOne();
+  }
+  network.FilterToServer([](const std::string&) { return true; });
+  TestActor actor([&] { return network.Connect(); }, "a", spool.path());
+  EXPECT_EQ(actor.outbox.size(), 2u);
+  EXPECT_TRUE(Eventually([&] { return actor.outbox.size() == 0; }));
+  EXPECT_EQ(learner.Tickets(), (std::vector<std::uint64_t>{0, 1}));
+}
+
+TEST(SessionTest, ForgedGamesAreRejectedAndTheirTicketsGrantedAnew) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() >= 3; }));
+  GameRecord won = PlayTicket(QuickConfig(), *actor.tickets.Take());
+  won.outcome.winners ^= 1;
+  actor.Send(Seal(won, {}));
+  GameRecord chosen = PlayTicket(QuickConfig(), *actor.tickets.Take());
+  chosen.setup.seed += 1;
+  actor.Send(Seal(chosen, {}));
+  SealedGame damaged = SealedTicket(QuickConfig(), *actor.tickets.Take());
+  damaged.record[damaged.record.size() / 2] ^= 4;
+  actor.Send(damaged);
+  EXPECT_TRUE(Eventually([&] { return learner.server->statistics().rejected == 3; }));
+  EXPECT_TRUE(Eventually([&] { return actor.outbox.size() == 0; }));
+  EXPECT_TRUE(learner.games().empty());
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() >= 3; }));
+  EXPECT_EQ(actor.PlayOne(), 0u);
+  EXPECT_TRUE(Eventually([&] { return learner.Tickets().size() == 1; }));
+}
+
+TEST(SessionTest, AnActorThatForgesOnIsRefusedForGood) {
+  InProcessNetwork network;
+  SessionServerSettings settings = QuickSettings();
+  settings.max_rejected_games = 2;
+  TestLearner learner(network.Listen(), settings);
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() >= 3; }));
+  for (int i = 0; i < 3; ++i) {
+    GameRecord record = PlayTicket(QuickConfig(), *actor.tickets.Take());
+    record.setup.seed += 1;
+    actor.Send(Seal(record, {}));
+  }
+  ASSERT_TRUE(Eventually([&] { return actor.client->ended(); }));
+  try {
+    actor.client->Leave(milliseconds(0));
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("too many of its games were rejected"));
+  }
+}
+
+TEST(SessionTest, ActorsPauseWhenTheLearnerIsSlow) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  learner.Hold();
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  const std::size_t granted = actor.tickets.waiting();
+  EXPECT_EQ(granted, TicketTarget(1, QuickConfig().games_in_flight));
+  while (actor.tickets.waiting() > 0) actor.PlayOne();
+  ASSERT_TRUE(Eventually([&] { return learner.server->statistics().pending_games == granted; }));
+  EXPECT_EQ(actor.tickets.waiting(), 0u);
+  EXPECT_EQ(actor.outbox.size(), granted);
+  learner.Release();
+  EXPECT_TRUE(Eventually([&] { return actor.outbox.size() == 0; }));
+  EXPECT_TRUE(Eventually([&] { return actor.tickets.waiting() == granted; }));
+}
+
+TEST(SessionTest, AServerThatIsFullReadsOn) {
+  InProcessNetwork network;
+  SessionServerSettings settings = QuickSettings();
+  settings.max_pending_games = 4;  // stops reading at two
+  TestLearner learner(network.Listen(), settings);
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  while (actor.tickets.waiting() > 0) {
+    actor.PlayOne();
+    ASSERT_TRUE(Eventually([&] { return actor.outbox.size() < 2; }));
+    if (learner.Tickets().size() > 20) break;
+  }
+  EXPECT_GT(learner.Tickets().size(), 10u);
+}
+
+TEST(SessionTest, WeightsReachActorsNowAndLater) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  TestActor early([&] { return network.Connect(); }, "early");
+  const Snapshot first = SomeWeights(1);
+  learner.server->Publish(first);
+  ASSERT_TRUE(Eventually([&] { return early.client->weights() != nullptr; }));
+  EXPECT_EQ(*early.client->weights(), *first);
+  TestActor late([&] { return network.Connect(); }, "late");
+  ASSERT_TRUE(Eventually([&] { return late.client->weights() != nullptr; }));
+  learner.server->Publish(SomeWeights(2));
+  for (const TestActor* actor : {&early, &late}) {
+    EXPECT_TRUE(Eventually([&] { return actor->client->weights()->version == 2; }));
+  }
+}
+
+TEST(SessionTest, DamagedWeightsAreFetchedAgain) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  learner.server->Publish(SomeWeights(1));
+  std::atomic<int> damaged = 0;
+  network.FilterToClients([&](std::string& bytes) {
+    const auto message = std::get<WireMessage>(Decode(bytes));
+    if (std::holds_alternative<WeightsChunk>(message) && damaged < 2) {
+      ++damaged;
+      bytes[bytes.size() / 2] ^= 1;
+    }
+    return true;
+  });
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.client->weights() != nullptr; }));
+  EXPECT_EQ(*actor.client->weights(), *SomeWeights(1));
+  EXPECT_EQ(damaged, 2);
+}
+
+TEST(SessionTest, LostChunksAreAskedForAgain) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  learner.server->Publish(SomeWeights(1));
+  std::atomic<int> lost = 0;
+  network.FilterToClients([&](const std::string& bytes) {
+    const auto message = std::get<WireMessage>(Decode(bytes));
+    return !std::holds_alternative<WeightsChunk>(message) || ++lost > 1;
+  });
+  TestActor actor([&] { return network.Connect(); });
+  EXPECT_TRUE(Eventually([&] { return actor.client->weights() != nullptr; }));
+  EXPECT_GE(lost, 1);
+}
+
+TEST(SessionTest, TheEndOfTheRunEndsTheActor) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  learner.server->Stop({.reason = "all iterations are done", .run_complete = true});
+  EXPECT_TRUE(Eventually([&] { return actor.client->ended(); }));
+  EXPECT_NO_THROW(actor.client->Leave(milliseconds(0)));
+}
+
+TEST(SessionTest, LeavingWaitsForTheAcknowledgement) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  actor.PlayOne();
+  actor.client->Leave(milliseconds(10'000));
+  EXPECT_EQ(actor.outbox.size(), 0u);
+  EXPECT_TRUE(Eventually([&] { return learner.server->statistics().actors.empty(); }));
+}
+
+TEST(SessionTest, LeavingWithoutALearnerEndsInTime) {
+  InProcessNetwork network;
+  TestActor actor([&] { return network.Connect(); });
+  actor.Send(SealedTicket(QuickConfig(), 0));
+  actor.client->Leave(milliseconds(30));
+  EXPECT_EQ(actor.outbox.size(), 1u);
+}
+
+TEST(SessionTest, AWrongRunIsRefusedForGood) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  TestActor actor([&] { return network.Connect(); }, "a", {}, "another-run");
+  ASSERT_TRUE(Eventually([&] { return actor.client->ended(); }));
+  EXPECT_THROW(actor.client->Leave(milliseconds(0)), Error);
+}
+
+TEST(SessionTest, ANamesakeReplacesTheOldActor) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  TestActor old([&] { return network.Connect(); }, "same");
+  ASSERT_TRUE(Eventually([&] { return old.tickets.waiting() > 0; }));
+  TestActor fresh([&] { return network.Connect(); }, "same");
+  EXPECT_TRUE(Eventually([&] { return old.client->ended(); }));
+  EXPECT_TRUE(Eventually([&] { return fresh.tickets.waiting() > 0; }));
+  EXPECT_EQ(learner.server->statistics().actors.size(), 1u);
+  EXPECT_THROW(old.client->Leave(milliseconds(0)), Error);
+}
+
+TEST(SessionTest, AFailedStoreFailsTheServer) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  learner.FailWith("disk full");
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  actor.PlayOne();
+  ASSERT_TRUE(Eventually([&] { return learner.server->failed(); }));
+  EXPECT_THROW(learner.server->Stop({.reason = "failed"}), Error);
+  EXPECT_EQ(actor.outbox.size(), 1u);  // never acknowledged
+}
+
+TEST(SessionTest, HeartbeatsCarryTheActorsCounters) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  TestActor actor([&] { return network.Connect(); }, "counts");
+  ASSERT_TRUE(Eventually([&] {
+    const auto actors = learner.server->statistics().actors;
+    return actors.size() == 1 && actors[0].heartbeat.evaluations == 42;
+  }));
+  EXPECT_EQ(learner.server->statistics().actors[0].name, "counts");
+}
+
+}  // namespace
+}  // namespace powderkeg
