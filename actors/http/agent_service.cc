@@ -1,0 +1,136 @@
+#include "actors/http/agent_service.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/base/log.h"
+
+namespace powderkeg {
+namespace {
+
+using Json = nlohmann::json;
+
+ServiceReply Success() { return {.body = Json{{"success", true}}.dump()}; }
+
+ServiceReply Played(Mode mode, const Observation& observation, Action action) {
+  const int number = static_cast<int>(action);
+  if (mode != Mode::kTeamRadio) return {.body = Json{{"action", number}}.dump()};
+  const Message words = EncodeReport(observation.step, observation.position, action);
+  return {.body = Json{{"action", {number, words[0], words[1]}}}.dump()};
+}
+
+}  // namespace
+
+AgentService::AgentService(std::unique_ptr<Agent> agent, std::shared_ptr<Evaluator> evaluator,
+                           const ServiceSettings& settings)
+    : settings_(settings), agent_(std::move(agent)), evaluator_(std::move(evaluator)) {
+  CHECK(agent_ != nullptr && evaluator_ != nullptr);
+}
+
+ServiceReply AgentService::Ping() const { return Success(); }
+
+ServiceReply AgentService::InitAgent(std::string_view body) {
+  const auto parsed = ParseInitRequest(body);
+  const std::lock_guard lock(mutex_);
+  if (const auto* refusal = std::get_if<Refusal>(&parsed)) return Refused(400, refusal->reason);
+  init_ = std::get<InitRequest>(parsed);
+  game_.reset();
+  log::Info("agent initialised", "id", init_->id, "game_type", static_cast<int>(init_->mode));
+  return Success();
+}
+
+ServiceReply AgentService::Act(std::string_view body, Clock::time_point arrival) {
+  const auto parsed = ParseActionRequest(body);
+  const std::lock_guard lock(mutex_);
+  if (const auto* refusal = std::get_if<Refusal>(&parsed)) return Refused(400, refusal->reason);
+  const auto& request = std::get<ActionRequest>(parsed);
+  if (const std::string conflict = Conflict(request); !conflict.empty()) {
+    return Refused(409, conflict);
+  }
+  Observe(request);
+  const Action action = Think(arrival);
+  ++statistics_.moves;
+  statistics_.slowest_move =
+      std::max(statistics_.slowest_move,
+               std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - arrival));
+  return Played(request.settings.mode, request.observation, action);
+}
+
+ServiceReply AgentService::EndEpisode(std::string_view body) {
+  const auto parsed = ParseEpisodeEnd(body);
+  const std::lock_guard lock(mutex_);
+  if (const auto* refusal = std::get_if<Refusal>(&parsed)) return Refused(400, refusal->reason);
+  if (!init_) return Refused(409, "an episode ended before /init_agent");
+  log::Info("episode ended", "reward", std::get<int>(parsed), "last_step", game_ ? game_->step : 0);
+  game_.reset();
+  return Success();
+}
+
+ServiceReply AgentService::Shutdown() {
+  const std::lock_guard lock(mutex_);
+  init_.reset();
+  game_.reset();
+  return Success();
+}
+
+ServiceStatistics AgentService::statistics() const {
+  const std::lock_guard lock(mutex_);
+  return statistics_;
+}
+
+std::optional<Cell> AgentService::mate() const {
+  const std::lock_guard lock(mutex_);
+  return game_ ? game_->mate.cell() : std::nullopt;
+}
+
+ServiceReply AgentService::Refused(int status, std::string_view reason) {
+  ++statistics_.refused;
+  log::Warn("request refused", "status", status, "reason", reason);
+  return {.status = status, .body = Json{{"error", reason}}.dump()};
+}
+
+std::string AgentService::Conflict(const ActionRequest& request) const {
+  if (!init_) return "an action was asked for before /init_agent";
+  if (request.settings.mode != init_->mode) {
+    return StrCat("/init_agent announced game_type ", static_cast<int>(init_->mode),
+                  ", the observation has ", static_cast<int>(request.settings.mode));
+  }
+  if (request.observation.self != init_->id) {
+    return StrCat("/init_agent announced agent ", init_->id, ", the observation is of agent ",
+                  request.observation.self);
+  }
+  return {};
+}
+
+void AgentService::Observe(const ActionRequest& request) {
+  const Observation& observation = request.observation;
+  const bool follows = game_ && game_->settings == request.settings &&
+                       game_->self == observation.self && game_->step + 1 == observation.step;
+  if (!follows) {
+    const Rng rng = Rng(settings_.seed).Split(statistics_.games++);
+    agent_->StartGame(request.settings, observation.self, rng);
+    game_ = Game{.settings = request.settings, .self = observation.self, .step = 0, .mate = {}};
+  }
+  game_->step = observation.step;
+  game_->mate.Hear(observation.step, observation.message);
+  agent_->Begin(observation);
+}
+
+Action AgentService::Think(Clock::time_point arrival) {
+  const bool timed = settings_.move_time.count() > 0;
+  Clock::duration longest_round{0};
+  Clock::time_point now = Clock::now();
+  while (agent_->Gather(batch_)) {
+    evaluator_->Evaluate(game_->settings, batch_.positions(), batch_.AllocateEvaluations());
+    agent_->Scatter(batch_);
+    batch_.Clear();
+    const Clock::time_point before = std::exchange(now, Clock::now());
+    longest_round = std::max(longest_round, now - before);
+    if (timed && now + longest_round > arrival + settings_.move_time) break;
+  }
+  return agent_->action();
+}
+
+}  // namespace powderkeg

@@ -1,0 +1,94 @@
+#pragma once
+
+// One agent behind the protocol of the official runner, without sockets.
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "actors/http/observation_json.h"
+#include "actors/http/radio_code.h"
+#include "actors/play/agent.h"
+#include "common/base/rng.h"
+#include "common/model/evaluator.h"
+
+namespace powderkeg {
+
+// A status of HTTP and one JSON object on one line: {"success":true}, {"action":5},
+// {"action":[5,2,7]} in radio games, or {"error":"why"} with a status of 400 or above.
+struct ServiceReply {
+  int status = 200;
+  std::string body;
+};
+
+struct ServiceSettings {
+  // From the arrival of a request for an action to its answer; 0: as long as the search takes. At
+  // least one evaluation is waited for.
+  std::chrono::milliseconds move_time{0};
+  std::uint64_t seed = 1;
+};
+
+// Counters since the start of the service.
+struct ServiceStatistics {
+  std::uint64_t games = 0;
+  std::uint64_t moves = 0;
+  std::uint64_t refused = 0;  // requests answered with an error
+  std::chrono::microseconds slowest_move{0};
+};
+
+// The call order, as the runner keeps it: InitAgent, then Act while the agent lives, EndEpisode,
+// perhaps further games without another InitAgent, Shutdown, and perhaps another InitAgent. Every
+// InitAgent and EndEpisode, and every observation that does not follow the last one, starts anew
+// with an empty memory. Thread-safe: requests are served one at a time.
+class AgentService {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  AgentService(std::unique_ptr<Agent> agent, std::shared_ptr<Evaluator> evaluator,
+               const ServiceSettings& settings);
+
+  // Does not wait for a request that is being served.
+  [[nodiscard]] ServiceReply Ping() const;
+  // Each takes the body of the request. 400: not understood; 409: not now.
+  [[nodiscard]] ServiceReply InitAgent(std::string_view body);
+  [[nodiscard]] ServiceReply Act(std::string_view body, Clock::time_point arrival = Clock::now());
+  [[nodiscard]] ServiceReply EndEpisode(std::string_view body);
+  // The environment is closed: from now on InitAgent must come first again.
+  [[nodiscard]] ServiceReply Shutdown();
+
+  [[nodiscard]] ServiceStatistics statistics() const;
+  // Where the mate says it is (radio games).
+  [[nodiscard]] std::optional<Cell> mate() const;
+
+ private:
+  // The game being played.
+  struct Game {
+    GameSettings settings;
+    AgentId self;
+    int step;  // of the last observation
+    MateTracker mate;
+  };
+
+  [[nodiscard]] ServiceReply Refused(int status, std::string_view reason);
+  // Why the request does not fit the last InitAgent; empty if it does.
+  [[nodiscard]] std::string Conflict(const ActionRequest& request) const;
+  // Takes the observation into the game, a new one if it does not follow.
+  void Observe(const ActionRequest& request);
+  // Lets the agent think until it is done or the time is up.
+  [[nodiscard]] Action Think(Clock::time_point arrival);
+
+  const ServiceSettings settings_;
+  mutable std::mutex mutex_;  // guards what follows
+  std::unique_ptr<Agent> agent_;
+  std::shared_ptr<Evaluator> evaluator_;
+  EvaluationBatch batch_;
+  std::optional<InitRequest> init_;
+  std::optional<Game> game_;
+  ServiceStatistics statistics_;
+};
+
+}  // namespace powderkeg

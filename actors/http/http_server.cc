@@ -1,0 +1,208 @@
+#include "actors/http/http_server.h"
+
+#include <sys/socket.h>
+
+#include <array>
+#include <exception>
+#include <functional>
+#include <latch>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "actors/http/socket_stream.h"
+#include "common/base/bounded_queue.h"
+#include "common/base/check.h"
+#include "common/base/log.h"
+#include "common/base/worker.h"
+
+namespace powderkeg {
+namespace {
+
+constexpr int kBacklog = 1024;
+constexpr const char* kJsonType = "application/json";
+constexpr std::string_view kPing = "/ping";
+constexpr std::array<std::string_view, 4> kPosts = {"/init_agent", "/action", "/episode_end",
+                                                    "/shutdown"};
+
+// A fixed number of threads that take connections from a queue of limited length; where it is full,
+// the caller (who accepts connections) waits.
+class ConnectionPool final : public httplib::TaskQueue {
+ public:
+  ConnectionPool(int threads, std::size_t max_waiting) : waiting_(max_waiting) {
+    for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Serve(); });
+  }
+
+  void enqueue(std::function<void()> connection) override {
+    while (waiting_.Push(std::move(connection), kPatience) == QueueResult::kTimedOut) {
+    }
+  }
+  void shutdown() override {
+    waiting_.Close();
+    threads_.clear();  // joins
+  }
+
+ private:
+  static constexpr std::chrono::milliseconds kPatience{1000};
+
+  void Serve() {
+    while (!waiting_.drained()) {
+      if (const auto connection = waiting_.Pop(kPatience)) (*connection)();
+    }
+  }
+
+  BoundedQueue<std::function<void()>> waiting_;
+  std::vector<std::jthread> threads_;
+};
+
+void SetReply(const ServiceReply& reply, httplib::Response& response) {
+  response.status = reply.status;
+  response.set_content(reply.body, kJsonType);
+}
+
+void SetError(int status, std::string_view reason, httplib::Response& response) {
+  SetReply({.status = status, .body = nlohmann::json{{"error", reason}}.dump()}, response);
+}
+
+// Refuses requests for anything but the five routes before their bodies are read.
+httplib::Server::HandlerResponse CheckRoute(const httplib::Request& request,
+                                            httplib::Response& response) {
+  using Result = httplib::Server::HandlerResponse;
+  const bool ping = request.path == kPing;
+  const bool post = std::ranges::find(kPosts, request.path) != kPosts.end();
+  if (!ping && !post) {
+    SetError(404, "no such route, known are /ping, /init_agent, /action, /episode_end, /shutdown",
+             response);
+    return Result::Handled;
+  }
+  if (request.method == (ping ? "GET" : "POST")) return Result::Unhandled;
+  SetError(405, ping ? "expected the method GET" : "expected the method POST", response);
+  return Result::Handled;
+}
+
+// What httplib itself refuses has a status only.
+void ExplainStatus(const httplib::Request&, httplib::Response& response) {
+  if (!response.body.empty()) return;
+  SetError(response.status,
+           response.status == 413 ? "the body is too long" : "the request is no HTTP", response);
+}
+
+void ReportException(const httplib::Request&, httplib::Response& response,
+                     const std::exception_ptr& exception) {
+  try {
+    std::rethrow_exception(exception);
+  } catch (const std::exception& error) {
+    log::Error("request failed", "reason", error.what());
+    SetError(500, error.what(), response);
+  }
+}
+
+}  // namespace
+
+// The HTTP library, with limits of ours for each connection.
+class HttpServer::Listener final : public httplib::Server {
+ public:
+  Listener(AgentService& service, const HttpServerSettings& settings)
+      : service_(service), settings_(settings), started_(1) {
+    AddRoutes();
+    set_tcp_nodelay(true);
+    set_payload_max_length(settings.max_request_bytes);
+    // The library's default would let two servers share one port.
+    set_socket_options([](socket_t socket) {
+      const int yes = 1;
+      ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+    });
+    new_task_queue = [this] {
+      started_.count_down();
+      return new ConnectionPool(settings_.threads, settings_.max_waiting);
+    };
+    Bind();
+    worker_.emplace("http", [this](const std::stop_token&) { listen_after_bind(); });
+    started_.wait();
+  }
+  ~Listener() override {
+    stop();
+    worker_->Join();
+  }
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+  [[nodiscard]] int port() const { return port_; }
+
+ private:
+  void Bind() {
+    if (settings_.port == 0) {
+      port_ = bind_to_any_port(settings_.host);
+    } else {
+      port_ = bind_to_port(settings_.host, settings_.port) ? settings_.port : -1;
+    }
+    if (port_ < 0) {
+      throw Error(StrCat("cannot listen on ", settings_.host, ":", settings_.port,
+                         ", expected an address of this machine and a free port"));
+    }
+    ::listen(svr_sock_, kBacklog);  // instead of the library's 5
+  }
+
+  void AddRoutes() {
+    Get(std::string(kPing), [this](const httplib::Request&, httplib::Response& response) {
+      SetReply(service_.Ping(), response);
+    });
+    AddPost(kPosts[0], [this](std::string_view body) { return service_.InitAgent(body); });
+    AddPost(kPosts[1], [this](std::string_view body) { return service_.Act(body); });
+    AddPost(kPosts[2], [this](std::string_view body) { return service_.EndEpisode(body); });
+    AddPost(kPosts[3], [this](std::string_view) { return service_.Shutdown(); });
+    set_pre_routing_handler(CheckRoute);
+    set_error_handler(ExplainStatus);
+    set_exception_handler(ReportException);
+  }
+
+  void AddPost(std::string_view path, std::function<ServiceReply(std::string_view)> answer) {
+    Post(std::string(path), [this, answer = std::move(answer)](
+                                const httplib::Request& request, httplib::Response& response,
+                                const httplib::ContentReader& reader) {
+      if (request.is_multipart_form_data()) {
+        return SetError(415, "expected a JSON body", response);
+      }
+      std::string body;
+      if (!ReadBody(reader, body)) {
+        return SetError(413, "the body is incomplete or too long", response);
+      }
+      SetReply(answer(body), response);
+    });
+  }
+
+  // Bounds what a compressed body unpacks to as well.
+  [[nodiscard]] bool ReadBody(const httplib::ContentReader& reader, std::string& body) const {
+    return reader([&](const char* data, std::size_t size) {
+      if (body.size() + size > settings_.max_request_bytes) return false;
+      body.append(data, size);
+      return true;
+    });
+  }
+
+  bool process_and_close_socket(socket_t socket) override {
+    SocketStream stream(socket, {.max_bytes = settings_.max_request_bytes + kHeaderBytes,
+                                 .timeout = settings_.io_timeout});
+    bool closed = false;
+    return process_request(stream, /*close_connection=*/true, closed, nullptr);
+  }
+
+  static constexpr std::size_t kHeaderBytes = 16 << 10;
+
+  AgentService& service_;
+  const HttpServerSettings settings_;
+  int port_ = -1;
+  std::latch started_;
+  std::optional<Worker> worker_;
+};
+
+HttpServer::HttpServer(AgentService& service, const HttpServerSettings& settings)
+    : listener_(std::make_unique<Listener>(service, settings)) {}
+
+HttpServer::~HttpServer() = default;
+
+int HttpServer::port() const { return listener_->port(); }
+
+}  // namespace powderkeg

@@ -1,0 +1,81 @@
+#include "actors/http/socket_stream.h"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+namespace powderkeg {
+
+SocketStream::SocketStream(socket_t socket, const ConnectionLimits& limits)
+    : socket_(socket),
+      limits_(limits),
+      read_deadline_(Clock::now() + limits.timeout),
+      bytes_left_(limits.max_bytes) {}
+
+SocketStream::~SocketStream() {
+  ::shutdown(socket_, SHUT_WR);
+  bytes_left_ = std::max(bytes_left_, limits_.max_bytes);
+  while (Fill()) {
+  }
+  ::close(socket_);
+}
+
+bool SocketStream::is_readable() const { return begin_ < end_ || Wait(POLLIN, read_deadline_); }
+
+bool SocketStream::is_writable() const { return Wait(POLLOUT, Clock::now() + limits_.timeout); }
+
+ssize_t SocketStream::read(char* data, std::size_t size) {
+  if (begin_ == end_ && !Fill()) return -1;
+  const std::size_t count = std::min(size, end_ - begin_);
+  std::memcpy(data, buffer_.data() + begin_, count);
+  begin_ += count;
+  return static_cast<ssize_t>(count);
+}
+
+ssize_t SocketStream::write(const char* data, std::size_t size) {
+  if (!is_writable()) return -1;
+  ssize_t sent = 0;
+  do {
+    sent = ::send(socket_, data, size, MSG_NOSIGNAL);
+  } while (sent < 0 && errno == EINTR);
+  return sent;
+}
+
+void SocketStream::get_remote_ip_and_port(std::string& ip, int& port) const {
+  ip.clear();
+  port = 0;
+}
+
+void SocketStream::get_local_ip_and_port(std::string& ip, int& port) const {
+  ip.clear();
+  port = 0;
+}
+
+bool SocketStream::Wait(short event, Clock::time_point deadline) const {
+  while (true) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
+    pollfd question{.fd = socket_, .events = event, .revents = 0};
+    const int ready = ::poll(&question, 1, static_cast<int>(std::max<long>(left, 0)));
+    if (ready > 0) return true;
+    if (ready == 0 || errno != EINTR) return false;
+  }
+}
+
+bool SocketStream::Fill() {
+  begin_ = end_ = 0;
+  if (bytes_left_ == 0 || !Wait(POLLIN, read_deadline_)) return false;
+  ssize_t received = 0;
+  do {
+    received = ::recv(socket_, buffer_.data(), std::min(buffer_.size(), bytes_left_), 0);
+  } while (received < 0 && errno == EINTR);
+  if (received <= 0) return false;
+  end_ = static_cast<std::size_t>(received);
+  bytes_left_ -= end_;
+  return true;
+}
+
+}  // namespace powderkeg

@@ -1,0 +1,55 @@
+#pragma once
+
+// A connection that cannot be held open, nor fed, without end.
+
+#include <httplib.h>
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+
+namespace powderkeg {
+
+// What one connection may take.
+struct ConnectionLimits {
+  std::size_t max_bytes;              // read from the peer
+  std::chrono::milliseconds timeout;  // for all reads together, and for each write
+};
+
+// The stream that httplib parses a request from. Reads fail after the limits, so that endless
+// headers, endless bodies and one byte a second all end. Closes the socket. One thread.
+class SocketStream final : public httplib::Stream {
+ public:
+  SocketStream(socket_t socket, const ConnectionLimits& limits);
+  // Lets the peer read the answer before the connection goes: ends the writing side, then discards
+  // what the peer still sends, within the limits.
+  ~SocketStream() override;
+  SocketStream(const SocketStream&) = delete;
+  SocketStream& operator=(const SocketStream&) = delete;
+
+  [[nodiscard]] bool is_readable() const override;
+  [[nodiscard]] bool is_writable() const override;
+  ssize_t read(char* data, std::size_t size) override;
+  ssize_t write(const char* data, std::size_t size) override;
+  void get_remote_ip_and_port(std::string& ip, int& port) const override;
+  void get_local_ip_and_port(std::string& ip, int& port) const override;
+  [[nodiscard]] socket_t socket() const override { return socket_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  // Waits for the event of poll(2); false after `deadline`.
+  [[nodiscard]] bool Wait(short event, Clock::time_point deadline) const;
+  // Refills the empty buffer; false at the end of the stream, on errors and beyond the limits.
+  [[nodiscard]] bool Fill();
+
+  socket_t socket_;
+  ConnectionLimits limits_;
+  Clock::time_point read_deadline_;
+  std::size_t bytes_left_;
+  std::array<char, 4096> buffer_;
+  std::size_t begin_ = 0;  // of the unread bytes in the buffer
+  std::size_t end_ = 0;
+};
+
+}  // namespace powderkeg

@@ -1,0 +1,160 @@
+#include "actors/http/agent_service.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/pommerman/generate.h"
+#include "tests/http/runner_json.h"
+#include "tests/http/scripted_agent.h"
+
+namespace powderkeg {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr const char* kSuccess = R"({"success":true})";
+constexpr const char* kReward = R"({"reward": "-1"})";
+
+class AgentServiceTest : public ::testing::Test {
+ protected:
+  // A service around an agent that asks `rounds` times a move.
+  std::unique_ptr<AgentService> Serve(int rounds, const ServiceSettings& settings = {}) {
+    return std::make_unique<AgentService>(std::make_unique<ScriptedAgent>(diary_, rounds),
+                                          std::make_shared<UniformEvaluator>(), settings);
+  }
+  std::string Body(AgentId agent, int step, const GameSettings& settings = {}) const {
+    State state = GenerateStart(settings, {}, Rng(3));
+    state.step = static_cast<std::uint16_t>(step);
+    state.messages[2] = EncodeReport(step - 1, state.agents[2].cell, Action::kStop);
+    return ActionBody(settings, Observe(settings, state, agent));
+  }
+
+  AgentDiary diary_;
+};
+
+TEST_F(AgentServiceTest, PlaysAGameInTheRunnersOrder) {
+  const auto service = Serve(/*rounds=*/3);
+  EXPECT_EQ(service->Ping().body, kSuccess);
+  EXPECT_EQ(service->InitAgent(InitBody(2, Mode::kFreeForAll)).body, kSuccess);
+  for (int step = 0; step < 3; ++step) {
+    const ServiceReply reply = service->Act(Body(2, step));
+    EXPECT_EQ(reply.status, 200);
+    EXPECT_EQ(reply.body, R"({"action":5})");
+  }
+  EXPECT_EQ(service->EndEpisode(kReward).body, kSuccess);
+  EXPECT_EQ(service->Shutdown().body, kSuccess);
+  EXPECT_THAT(diary_.games, ElementsAre(2));
+  EXPECT_THAT(diary_.steps, ElementsAre(0, 1, 2));
+  EXPECT_EQ(diary_.rounds, 9);
+  EXPECT_EQ(service->statistics().moves, 3U);
+  EXPECT_EQ(service->statistics().games, 1U);
+  EXPECT_EQ(service->statistics().refused, 0U);
+}
+
+TEST_F(AgentServiceTest, AnythingButTheNextStepStartsAnew) {
+  const auto service = Serve(0);
+  (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
+  for (const int step : {0, 1, 3, 4, 4, 0}) EXPECT_EQ(service->Act(Body(0, step)).status, 200);
+  EXPECT_EQ(diary_.games.size(), 4U);  // at 0, 3, the second 4, and 0
+}
+
+TEST_F(AgentServiceTest, InitAndEpisodeEndStartAnew) {
+  const auto service = Serve(0);
+  (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
+  (void)service->Act(Body(0, 0));
+  (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
+  (void)service->Act(Body(0, 1));
+  EXPECT_EQ(diary_.games.size(), 2U);
+  (void)service->EndEpisode(kReward);
+  (void)service->Act(Body(0, 2));  // the next game has no /init_agent
+  EXPECT_EQ(diary_.games.size(), 3U);
+  (void)service->InitAgent(InitBody(1, Mode::kTeam));  // the next battle does
+  const GameSettings team = GameSettingsFor("PommeTeamCompetition-v0").value();
+  EXPECT_EQ(service->Act(Body(1, 0, team)).status, 200);
+  EXPECT_THAT(diary_.games, ElementsAre(0, 0, 0, 1));
+  EXPECT_EQ(diary_.settings, team);
+}
+
+TEST_F(AgentServiceTest, ChangedSettingsStartAnew) {
+  const auto service = Serve(0);
+  (void)service->InitAgent(InitBody(1, Mode::kTeam));
+  (void)service->Act(Body(1, 0, GameSettingsFor("PommeTeamCompetition-v0").value()));
+  (void)service->Act(Body(1, 1, GameSettingsFor("PommeTeam-v0").value()));
+  EXPECT_EQ(diary_.games.size(), 2U);
+}
+
+TEST_F(AgentServiceTest, RefusesWhatIsOutOfOrder) {
+  const auto service = Serve(0);
+  const ServiceReply early = service->Act(Body(0, 0));
+  EXPECT_EQ(early.status, 409);
+  EXPECT_EQ(early.body, R"({"error":"an action was asked for before /init_agent"})");
+  EXPECT_EQ(service->EndEpisode(kReward).status, 409);
+  (void)service->InitAgent(InitBody(1, Mode::kFreeForAll));
+  EXPECT_THAT(service->Act(Body(0, 0)).body, HasSubstr("announced agent 1, the observation is of"));
+  const GameSettings team = GameSettingsFor("PommeTeam-v0").value();
+  EXPECT_THAT(service->Act(Body(1, 0, team)).body, HasSubstr("announced game_type 1"));
+  (void)service->Shutdown();
+  EXPECT_EQ(service->Act(Body(1, 0)).status, 409);
+  EXPECT_TRUE(diary_.games.empty());
+  EXPECT_EQ(service->statistics().refused, 5U);
+}
+
+TEST_F(AgentServiceTest, RefusesWhatItCannotRead) {
+  const auto service = Serve(0);
+  EXPECT_EQ(service->InitAgent("").status, 400);
+  EXPECT_EQ(service->InitAgent(InitBody(7, Mode::kTeam)).status, 400);
+  (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
+  const ServiceReply reply = service->Act("{}");
+  EXPECT_EQ(reply.status, 400);
+  EXPECT_EQ(reply.body, R"({"error":"the key obs is missing"})");
+  EXPECT_EQ(service->EndEpisode("[]").status, 400);
+  EXPECT_EQ(service->Act(Body(0, 0)).status, 200) << "a bad request must not end the game";
+}
+
+TEST_F(AgentServiceTest, AnswersInTimeWithWhatItHas) {
+  const auto service =
+      Serve(std::numeric_limits<int>::max(), {.move_time = milliseconds(20), .seed = 1});
+  (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
+  const auto start = AgentService::Clock::now();
+  EXPECT_EQ(service->Act(Body(0, 0)).status, 200);
+  EXPECT_LT(AgentService::Clock::now() - start, milliseconds(2000));
+  EXPECT_GT(diary_.rounds, 1);
+}
+
+TEST_F(AgentServiceTest, ALateRequestStillGetsOneEvaluation) {
+  const auto service =
+      Serve(std::numeric_limits<int>::max(), {.move_time = milliseconds(1), .seed = 1});
+  (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
+  const auto arrival = AgentService::Clock::now() - std::chrono::seconds(1);
+  EXPECT_EQ(service->Act(Body(0, 0), arrival).status, 200);
+  EXPECT_EQ(diary_.rounds, 1);
+}
+
+TEST_F(AgentServiceTest, TalksToItsMateAndListens) {
+  const GameSettings radio = GameSettingsFor("PommeRadioCompetition-v2").value();
+  const auto service = Serve(0);
+  (void)service->InitAgent(InitBody(0, Mode::kTeamRadio));
+  for (int step = 1; step < 3; ++step) {
+    const auto reply = nlohmann::json::parse(service->Act(Body(0, step, radio)).body);
+    const std::vector<int> action = reply["action"];
+    ASSERT_EQ(action.size(), 3U);
+    EXPECT_EQ(action[0], 5);
+    const Message words = {static_cast<std::uint8_t>(action[1]),
+                           static_cast<std::uint8_t>(action[2])};
+    const auto report = DecodeReport(step, words);
+    ASSERT_TRUE(report.has_value());
+    EXPECT_EQ(report->coordinate, 1);  // agent 0 starts on (1, 1)
+    EXPECT_EQ(report->plan, RadioReport::Plan::kBomb);
+  }
+  EXPECT_EQ(service->mate(), CellAt(9, 9));
+}
+
+}  // namespace
+}  // namespace powderkeg

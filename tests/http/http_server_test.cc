@@ -1,0 +1,297 @@
+#include "actors/http/http_server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <httplib.h>
+#include <sys/resource.h>
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "actors/play/factory.h"
+#include "common/base/check.h"
+#include "common/pommerman/generate.h"
+#include "tests/http/official_runner.h"
+#include "tests/http/runner_json.h"
+#include "tests/http/scripted_agent.h"
+
+namespace powderkeg {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::HasSubstr;
+
+// An agent on a free port.
+struct Seat {
+  std::unique_ptr<AgentService> service;
+  std::unique_ptr<HttpServer> server;
+};
+
+Seat SeatFor(std::string_view agent, const ServiceSettings& settings = {}) {
+  Seat seat;
+  seat.service = std::make_unique<AgentService>(MakeAgent(ParseAgent(agent)),
+                                                std::make_shared<UniformEvaluator>(), settings);
+  seat.server = std::make_unique<HttpServer>(*seat.service, HttpServerSettings{.port = 0});
+  return seat;
+}
+
+// --- Whole games --------------------------------------------------------------------------------
+
+struct PlayedEnvironment {
+  std::string name;
+  std::string environment;
+  std::array<std::string, 4> agents;
+};
+
+class WholeGameTest : public ::testing::TestWithParam<PlayedEnvironment> {};
+
+TEST_P(WholeGameTest, EveryRequestIsAnsweredWithAnAction) {
+  std::array<Seat, kAgentCount> seats;
+  std::array<int, kAgentCount> ports{};
+  for (std::size_t i = 0; i < seats.size(); ++i) {
+    seats[i] = SeatFor(GetParam().agents[i]);
+    ports[i] = seats[i].server->port();
+  }
+  const GameSettings settings = GameSettingsFor(GetParam().environment).value();
+  OfficialRunner runner(settings, ports);
+  const GameReport report = runner.PlayGame(/*seed=*/1, /*max_steps=*/200);
+  EXPECT_EQ(report.failure, "");
+  EXPECT_GT(report.steps, 10);
+  const GameReport second = runner.PlayGame(/*seed=*/2, /*max_steps=*/50);
+  EXPECT_EQ(second.failure, "") << "a second game without /init_agent";
+  runner.Close();
+  for (const Seat& seat : seats) {
+    EXPECT_EQ(seat.service->statistics().games, 2U);
+    EXPECT_EQ(seat.service->statistics().refused, 0U);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Environments, WholeGameTest,
+    ::testing::Values(
+        PlayedEnvironment{"FreeForAll",
+                          "PommeFFACompetition-v0",
+                          {"simple_unbiased", "official_simple", "harmless", "random"}},
+        PlayedEnvironment{"Collapsing",
+                          "PommeFFA-v1",
+                          {"simple_unbiased", "simple_unbiased", "idle", "harmless"}},
+        PlayedEnvironment{"Team",
+                          "PommeTeamCompetition-v0",
+                          {"official_simple", "simple_unbiased", "official_simple", "harmless"}},
+        PlayedEnvironment{"Radio",
+                          "PommeRadioCompetition-v2",
+                          {"simple_unbiased", "harmless", "simple_unbiased", "idle"}}),
+    [](const auto& environment) { return environment.param.name; });
+
+TEST(WholeGameTest, SearchAgentsPlayLegalMoves) {
+  std::array<Seat, kAgentCount> seats;
+  std::array<int, kAgentCount> ports{};
+  for (std::size_t i = 0; i < seats.size(); ++i) {
+    seats[i] = SeatFor(i == 0 ? "search:simulations=20" : "harmless");
+    ports[i] = seats[i].server->port();
+  }
+  OfficialRunner runner(GameSettings{}, ports);
+  runner.RequireLegal(0);
+  const GameReport report = runner.PlayGame(/*seed=*/4, /*max_steps=*/60);
+  EXPECT_EQ(report.failure, "");
+  runner.Close();
+}
+
+TEST(WholeGameTest, ASearchUnderAClockAnswersInTime) {
+  std::array<Seat, kAgentCount> seats;
+  std::array<int, kAgentCount> ports{};
+  for (std::size_t i = 0; i < seats.size(); ++i) {
+    seats[i] = i == 0 ? SeatFor("search:simulations=20000", {.move_time = milliseconds(10)})
+                      : SeatFor("harmless");
+    ports[i] = seats[i].server->port();
+  }
+  OfficialRunner runner(GameSettings{}, ports);
+  runner.RequireLegal(0);
+  const GameReport report = runner.PlayGame(/*seed=*/5, /*max_steps=*/20);
+  EXPECT_EQ(report.failure, "");
+  EXPECT_LT(seats[0].service->statistics().slowest_move, milliseconds(1000));
+}
+
+// --- Requests that are refused ------------------------------------------------------------------
+
+class HttpServerTest : public ::testing::Test {
+ protected:
+  void Listen(const HttpServerSettings& settings) {
+    service_ =
+        std::make_unique<AgentService>(std::make_unique<ScriptedAgent>(diary_, 0),
+                                       std::make_shared<UniformEvaluator>(), ServiceSettings{});
+    server_ = std::make_unique<HttpServer>(*service_, settings);
+  }
+  void SetUp() override { Listen({.port = 0}); }
+
+  httplib::Client Client() const { return httplib::Client("127.0.0.1", server_->port()); }
+  static std::string Action() {
+    const State state = GenerateStart(GameSettings{}, {}, Rng(1));
+    return ActionBody(GameSettings{}, Observe(GameSettings{}, state, 0));
+  }
+  // Sends bytes as they are, ends the sending side and returns all that comes back.
+  std::string Exchange(const std::string& bytes) const {
+    return ExchangeBytes(server_->port(), bytes);
+  }
+
+  AgentDiary diary_;
+  std::unique_ptr<AgentService> service_;
+  std::unique_ptr<HttpServer> server_;
+};
+
+TEST_F(HttpServerTest, RefusesWithStatusAndReason) {
+  struct Case {
+    std::string method, path, body;
+    int status;
+    std::string reason;
+  };
+  const std::vector<Case> cases = {
+      {"GET", "/", "", 404, "no such route"},
+      {"POST", "/nothing", "{}", 404, "no such route"},
+      {"DELETE", "/action", "", 405, "expected the method POST"},
+      {"POST", "/ping", "{}", 405, "expected the method GET"},
+      {"GET", "/action", "", 405, "expected the method POST"},
+      {"POST", "/action", "", 400, "the body is no JSON text"},
+      {"POST", "/action", "{}", 400, "the key obs is missing"},
+      {"POST", "/action", Action(), 409, "before /init_agent"},
+      {"POST", "/episode_end", R"({"reward": "0"})", 409, "before /init_agent"},
+      {"POST", "/init_agent", R"({"id": "9", "game_type": "1"})", 400, "id is 9"},
+      {"POST", "/init_agent", std::string(100'000, '['), 413, "too long"},
+      {"POST", "/nothing", std::string(100'000, ' '), 404, "no such route"},
+  };
+  for (const Case& test : cases) {
+    httplib::Request request;
+    request.method = test.method;
+    request.path = test.path;
+    request.body = test.body;
+    if (!test.body.empty()) request.set_header("Content-Type", "application/json");
+    auto client = Client();
+    const auto result = client.send(request);
+    ASSERT_TRUE(result) << test.method << " " << test.path << " " << to_string(result.error());
+    EXPECT_EQ(result->status, test.status) << test.method << " " << test.path;
+    EXPECT_THAT(result->body, HasSubstr(test.reason)) << test.method << " " << test.path;
+    EXPECT_TRUE(nlohmann::json::parse(result->body).contains("error"));
+    EXPECT_EQ(result->body.find('\n'), std::string::npos);
+  }
+}
+
+TEST_F(HttpServerTest, SurvivesWhatIsNoHttp) {
+  EXPECT_THAT(Exchange("nonsense\r\n\r\n"), HasSubstr("400"));
+  (void)Exchange(std::string(100'000, 'x'));
+  (void)Exchange("\r\n\r\n");
+  (void)Exchange("");
+  (void)Exchange(std::string(1000, '\0'));
+  (void)Exchange("POST /action HTTP/1.1\r\nContent-Length: 99999999999999999999\r\n\r\n{}");
+  (void)Exchange("POST /action HTTP/1.1\r\nContent-Length: -1\r\n\r\n{}");
+  (void)Exchange("POST /action HTTP/1.1\r\nContent-Length: 50\r\n\r\n{}");
+  (void)Exchange("POST /action HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nFFFFFFFFFFFF\r\n");
+  (void)Exchange(
+      "POST /action HTTP/1.1\r\nContent-Type: multipart/form-data; boundary=x\r\n"
+      "Content-Length: 4\r\n\r\n--x\r");
+  EXPECT_EQ(Client().Get("/ping")->status, 200);
+}
+
+TEST_F(HttpServerTest, EndsEndlessHeadersAndBodies) {
+  std::string headers = "GET /ping HTTP/1.1\r\n";
+  while (headers.size() < 10'000'000) headers += "X: " + std::string(1000, 'x') + "\r\n";
+  (void)Exchange(headers);
+  std::string chunks = "POST /action HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n";
+  while (chunks.size() < 10'000'000) chunks += "1000\r\n" + std::string(0x1000, ' ') + "\r\n";
+  (void)Exchange(chunks);
+  EXPECT_EQ(Client().Get("/ping")->status, 200);
+}
+
+TEST_F(HttpServerTest, ABodyThatUnpacksToTooMuchIsRefused) {
+  auto client = Client();
+  client.set_compress(true);
+  const auto result = client.Post("/action", std::string(10'000'000, ' '), "application/json");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, 413);
+}
+
+TEST_F(HttpServerTest, CompressedBodiesAreRead) {
+  auto client = Client();
+  client.set_compress(true);
+  EXPECT_EQ(client.Post("/init_agent", InitBody(0, Mode::kFreeForAll), "application/json")->status,
+            200);
+}
+
+TEST_F(HttpServerTest, APortIsServedOnce) {
+  EXPECT_THROW(Listen({.port = server_->port()}), Error);
+  EXPECT_THROW(Listen({.host = "no.such.host.invalid", .port = 0}), Error);
+  EXPECT_EQ(Client().Get("/ping")->status, 200);
+}
+
+TEST_F(HttpServerTest, APortIsFreeAgainAfterTheServer) {
+  const int port = server_->port();
+  EXPECT_EQ(Client().Get("/ping")->status, 200);
+  server_.reset();
+  Listen({.port = port});
+  EXPECT_EQ(Client().Get("/ping")->status, 200);
+}
+
+// --- Many connections ---------------------------------------------------------------------------
+
+// As many file descriptors as the system allows; the tests below need about 2,100.
+void AllowManyConnections() {
+  rlimit limit{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &limit), 0);
+  limit.rlim_cur = limit.rlim_max;
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &limit), 0);
+  if (limit.rlim_cur < 2500) GTEST_SKIP() << "only " << limit.rlim_cur << " file descriptors";
+}
+
+TEST_F(HttpServerTest, AThousandConnectionsAtOnceAreAllAnswered) {
+  AllowManyConnections();
+  (void)service_->InitAgent(InitBody(0, Mode::kFreeForAll));
+  const std::string body = Action();
+  const std::string request =
+      StrCat("POST /action HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n",
+             "Content-Length: ", body.size(), "\r\n\r\n", body);
+  std::vector<int> sockets;
+  for (int i = 0; i < 1000; ++i) sockets.push_back(Connect(server_->port()));
+  for (const int socket : sockets) SendAll(socket, request);
+  int answered = 0;
+  for (const int socket : sockets) {
+    if (ReadToEnd(socket).find(R"({"action":5})") != std::string::npos) ++answered;
+  }
+  EXPECT_EQ(answered, 1000);
+  EXPECT_EQ(service_->statistics().moves, 1000U);
+}
+
+TEST_F(HttpServerTest, AThousandSilentConnectionsDoNotStopTheServer) {
+  AllowManyConnections();
+  Listen({.port = 0, .io_timeout = milliseconds(50)});
+  std::vector<int> sockets;
+  for (int i = 0; i < 1000; ++i) sockets.push_back(Connect(server_->port()));
+  auto client = Client();
+  client.set_read_timeout(std::chrono::seconds(60));
+  const auto result = client.Get("/ping");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, 200);
+  for (const int socket : sockets) EXPECT_EQ(ReadToEnd(socket), "");
+}
+
+TEST_F(HttpServerTest, ConcurrentClientsOfOneAgentAreServedInTurn) {
+  std::atomic<int> good = 0;
+  std::vector<std::jthread> clients;
+  for (int i = 0; i < 8; ++i) {
+    clients.emplace_back([&] {
+      for (int k = 0; k < 20; ++k) {
+        auto client = Client();
+        const auto init =
+            client.Post("/init_agent", InitBody(0, Mode::kFreeForAll), "application/json");
+        const auto action = client.Post("/action", Action(), "application/json");
+        if (init && init->status == 200 && action && action->status == 200) ++good;
+      }
+    });
+  }
+  clients.clear();
+  EXPECT_EQ(good, 160);
+}
+
+}  // namespace
+}  // namespace powderkeg

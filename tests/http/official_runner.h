@@ -1,0 +1,57 @@
+#pragma once
+
+// A client that behaves as the official runner and plays by our own rules; and raw sockets.
+
+#include <array>
+#include <string>
+
+#include "common/pommerman/game_settings.h"
+#include "common/pommerman/state.h"
+
+namespace powderkeg {
+
+struct GameReport {
+  int steps = 0;
+  // The first request that was not answered as the runner needs it; empty: all were.
+  std::string failure;
+};
+
+// The environment with four HTTP agents: pings and initialises them once, asks the living ones in
+// id order, ends the episode for all. A new connection for each request.
+class OfficialRunner {
+ public:
+  OfficialRunner(const GameSettings& settings, const std::array<int, kAgentCount>& ports);
+
+  // From now on an action of this agent that LegalActions excludes is a failure.
+  void RequireLegal(AgentId agent) { legal_[static_cast<std::size_t>(agent)] = true; }
+
+  // Plays to the end or for max_steps.
+  [[nodiscard]] GameReport PlayGame(std::uint64_t seed, int max_steps);
+
+  // Closes the environment: /shutdown.
+  void Close();
+
+ private:
+  void Start();
+  // The action and, in radio games, the message of an agent; kStop after a failure.
+  Action Ask(AgentId agent, const State& state, Message& words);
+  // The body of the answer; notes a failure if there is none.
+  std::string Post(AgentId agent, const char* path, const std::string& body);
+  void Fail(AgentId agent, const std::string& what);
+
+  GameSettings settings_;
+  std::array<int, kAgentCount> ports_;
+  std::array<bool, kAgentCount> legal_{};
+  bool started_ = false;
+  std::string failure_;
+};
+
+// Raw sockets on loopback; CHECK that the system plays along.
+[[nodiscard]] int Connect(int port);
+void SendAll(int socket, const std::string& bytes);  // stops where the peer has closed
+// Everything the peer sends until it closes; closes the socket.
+[[nodiscard]] std::string ReadToEnd(int socket);
+// Connect, send, end the sending side, read to the end.
+[[nodiscard]] std::string ExchangeBytes(int port, const std::string& bytes);
+
+}  // namespace powderkeg
