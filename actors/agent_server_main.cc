@@ -1,0 +1,143 @@
+// agent_server: serves agents to the official runner over HTTP, one on each port.
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <csignal>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "actors/evaluator_choice.h"
+#include "actors/http/agent_service.h"
+#include "actors/http/http_server.h"
+#include "actors/play/factory.h"
+#include "common/base/check.h"
+#include "common/base/log.h"
+#include "common/model/weights_snapshot.h"
+
+namespace powderkeg {
+namespace {
+
+// Under a clock: simulations that no move reaches, and leaves that fill a batch.
+constexpr int kEnoughSimulations = 20'000;
+constexpr int kLeavesUnderClock = 8;
+
+struct Arguments {
+  std::vector<std::string> agents;
+  std::vector<int> ports = {10080};
+  std::string host = "127.0.0.1";
+  std::string model;
+  int simulations = 0;   // 0: as the agent says
+  int move_time_ms = 0;  // 0: no clock
+  std::uint64_t seed = 1;
+  EvaluatorChoice evaluator;
+};
+
+void AddOptions(CLI::App& app, Arguments& arguments) {
+  app.add_option("--agent", arguments.agents, "one for all ports or one for each: " + KnownAgents())
+      ->required();
+  app.add_option("--port", arguments.ports, "one or more (10080)")->check(CLI::Range(1, 65535));
+  app.add_option("--host", arguments.host, "address to listen on (127.0.0.1); 0.0.0.0: all");
+  app.add_option("--model", arguments.model, "weights file of agents that name none");
+  auto* simulations = app.add_option("--simulations", arguments.simulations, "of a search per move")
+                          ->check(CLI::PositiveNumber);
+  app.add_option("--move-time-ms", arguments.move_time_ms,
+                 "a search answers after so long; the official runner waits 150 ms")
+      ->check(CLI::PositiveNumber)
+      ->excludes(simulations);
+  app.add_option("--seed", arguments.seed, "of all random choices (1)");
+  app.add_option("--evaluator", arguments.evaluator.evaluator,
+                 "of agents with a model: auto, uniform, onednn, torch");
+  app.add_option("--precision", arguments.evaluator.precision, "auto, fp32, bf16, fp16");
+}
+
+// The agent's own words, changed by what holds for all.
+AgentDescription DescriptionOf(const std::string& text, const Arguments& arguments) {
+  AgentDescription description = ParseAgent(text);
+  const bool searches = description.kind == AgentDescription::Kind::kSearch;
+  if (searches && arguments.simulations > 0) description.search.simulations = arguments.simulations;
+  if (searches && arguments.move_time_ms > 0) {
+    description.search.simulations = kEnoughSimulations;
+    description.search.leaves_per_batch =
+        std::max(description.search.leaves_per_batch, kLeavesUnderClock);
+  }
+  const bool thinks = description.kind != AgentDescription::Kind::kRuleBased;
+  if (thinks && description.model_file.empty()) description.model_file = arguments.model;
+  return description;
+}
+
+// An agent on a port. The order matters: the server uses the service.
+struct Seat {
+  std::unique_ptr<AgentService> service;
+  std::unique_ptr<HttpServer> server;
+};
+
+Seat Serve(const std::string& agent, int port, const Arguments& arguments) {
+  const AgentDescription description = DescriptionOf(agent, arguments);
+  const Model model = MakeModel(description.model_file, [&](const std::string& file) -> Model {
+    const Snapshot snapshot = LoadSnapshot(file);
+    return {MakeEvaluator(arguments.evaluator, snapshot), snapshot->version};
+  });
+  Seat seat;
+  seat.service = std::make_unique<AgentService>(
+      MakeAgent(description), model.evaluator,
+      ServiceSettings{.move_time = std::chrono::milliseconds(arguments.move_time_ms),
+                      .seed = arguments.seed});
+  seat.server = std::make_unique<HttpServer>(
+      *seat.service, HttpServerSettings{.host = arguments.host, .port = port});
+  log::Info("serving", "agent", agent, "evaluator", model.evaluator->name(), "host", arguments.host,
+            "port", seat.server->port());
+  return seat;
+}
+
+// From here on these signals wait for sigwait, in all threads.
+sigset_t BlockEndSignals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+void Report(const Seat& seat) {
+  const ServiceStatistics statistics = seat.service->statistics();
+  log::Info("served", "port", seat.server->port(), "games", statistics.games, "moves",
+            statistics.moves, "refused", statistics.refused, "slowest_move_ms",
+            static_cast<double>(statistics.slowest_move.count()) / 1000);
+}
+
+void Run(const Arguments& arguments) {
+  if (arguments.agents.size() != 1 && arguments.agents.size() != arguments.ports.size()) {
+    throw Error(StrCat(arguments.agents.size(), " agents for ", arguments.ports.size(),
+                       " ports, expected one agent or one for each port"));
+  }
+  const sigset_t signals = BlockEndSignals();
+  InitialiseEvaluators();
+  std::vector<Seat> seats;
+  for (std::size_t i = 0; i < arguments.ports.size(); ++i) {
+    const std::size_t agent = arguments.agents.size() == 1 ? 0 : i;
+    seats.push_back(Serve(arguments.agents[agent], arguments.ports[i], arguments));
+  }
+  int signal = 0;
+  sigwait(&signals, &signal);
+  for (const Seat& seat : seats) Report(seat);
+}
+
+}  // namespace
+}  // namespace powderkeg
+
+int main(int argc, char** argv) {
+  CLI::App app("Serves agents to the official Pommerman runner over HTTP.", "agent_server");
+  powderkeg::Arguments arguments;
+  powderkeg::AddOptions(app, arguments);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    powderkeg::Run(arguments);
+  } catch (const powderkeg::Error& error) {
+    std::cerr << "agent_server: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,157 @@
+// replay: shows stored games step by step in the terminal, or exports them as text.
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "actors/replay/recorded_export.h"
+#include "actors/replay/stored_game.h"
+#include "actors/replay/viewer.h"
+#include "common/base/check.h"
+#ifdef POWDERKEG_HAS_SEGMENTS
+#include "learner/replay/store.h"
+#endif
+
+namespace powderkeg {
+namespace {
+
+struct Arguments {
+  std::string file;
+  int game = -1;  // -1: the first to show, all to export
+  int step = -1;  // -1: all
+  int delay_ms = 200;
+  std::string export_file;
+};
+
+// The next game of a file; false at the end.
+using GameSource = std::function<bool(StoredGame& game)>;
+
+GameSource RecordedSource(const std::string& file) {
+  return [reader = std::make_shared<RecordedGameReader>(file)](StoredGame& stored) {
+    stored = {};
+    return reader->Next(stored.game);
+  };
+}
+
+#ifdef POWDERKEG_HAS_SEGMENTS
+// Reads the segment as the only one of a store of our own: the folder it lies in may belong to a
+// running learner.
+std::vector<GameRecord> RecordsOf(const std::filesystem::path& segment) {
+  std::string pattern = std::filesystem::temp_directory_path() / "replay-XXXXXX";
+  if (mkdtemp(pattern.data()) == nullptr) throw Error(StrCat("cannot make the folder ", pattern));
+  const std::filesystem::path folder = pattern;
+  std::filesystem::create_symlink(std::filesystem::absolute(segment), folder / segment.filename());
+  std::vector<GameRecord> records;
+  ReplayStore(folder).Load([&](GameRecord&& record) { records.push_back(std::move(record)); });
+  std::filesystem::remove_all(folder);
+  return records;
+}
+
+GameSource SegmentSource(const std::string& file) {
+  return [records = RecordsOf(file), next = std::size_t{0}](StoredGame& stored) mutable {
+    if (next == records.size()) return false;
+    stored = StoredGameFrom(records[next++]);
+    return true;
+  };
+}
+#else
+GameSource SegmentSource(const std::string& file) {
+  throw Error(StrCat(file, ": expected a .jsonl or .jsonl.gz file; segments of a run need a build ",
+                     "with the learner"));
+}
+#endif
+
+GameSource SourceOf(const std::string& file) {
+  return file.ends_with(".h5") ? SegmentSource(file) : RecordedSource(file);
+}
+
+// The chosen game. Throws Error if the file has fewer.
+StoredGame Find(const Arguments& arguments) {
+  const GameSource next = SourceOf(arguments.file);
+  const int wanted = std::max(arguments.game, 0);
+  StoredGame stored;
+  for (int number = 0; next(stored); ++number) {
+    if (number < wanted) continue;
+    if (stored.game.Known() || !stored.game.steps.empty()) return stored;
+    throw Error(StrCat(stored.game.id, ": games of mode \"", stored.game.mode, "\" are not shown"));
+  }
+  throw Error(StrCat("game ", wanted, ": not in ", arguments.file, ", which has fewer games"));
+}
+
+void Show(const Arguments& arguments) {
+  const bool terminal = isatty(STDOUT_FILENO) != 0;
+  const Colours colours = terminal ? Colours::kAnsi : Colours::kNone;
+  const StoredGame stored = Find(arguments);
+  const int last = static_cast<int>(stored.game.steps.size());
+  if (arguments.step > last) {
+    throw Error(StrCat("step ", arguments.step, ": expected 0..", last));
+  }
+  if (arguments.step >= 0) {
+    std::cout << RenderStep(stored, arguments.step, colours);
+    return;
+  }
+  constexpr std::string_view kClearScreen = "\033[H\033[2J";
+  for (int step = 0; step <= last; ++step) {
+    std::cout << (terminal ? kClearScreen : "") << RenderStep(stored, step, colours)
+              << (terminal ? "" : "\n") << std::flush;
+    if (terminal && step < last) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(arguments.delay_ms));
+    }
+  }
+}
+
+void Export(const Arguments& arguments) {
+  std::ofstream output(arguments.export_file);
+  int games = 0;
+  if (arguments.game >= 0) {
+    output << RecordedLines(Find(arguments).game);
+    ++games;
+  } else {
+    const GameSource next = SourceOf(arguments.file);
+    for (StoredGame stored; next(stored); ++games) output << RecordedLines(stored.game);
+  }
+  if (!output.flush()) throw Error(StrCat("cannot write ", arguments.export_file));
+  std::cout << arguments.export_file << ": " << games << " games\n";
+}
+
+void AddOptions(CLI::App& app, Arguments& arguments) {
+  app.add_option("file", arguments.file,
+                 "recorded games (.jsonl, .jsonl.gz) or a segment of a run (replay/segment-*.h5)")
+      ->required();
+  app.add_option("--game", arguments.game, "number of the game in the file, from 0")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--step", arguments.step, "show only the position after so many steps")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--delay-ms", arguments.delay_ms, "between two steps on a terminal (200)")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--export", arguments.export_file,
+                 "write the game (without --game: all games) in the recorded format instead");
+}
+
+}  // namespace
+}  // namespace powderkeg
+
+int main(int argc, char** argv) {
+  CLI::App app("Shows stored games step by step, or exports them as text.", "replay");
+  powderkeg::Arguments arguments;
+  powderkeg::AddOptions(app, arguments);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    arguments.export_file.empty() ? powderkeg::Show(arguments) : powderkeg::Export(arguments);
+  } catch (const powderkeg::Error& error) {
+    std::cerr << "replay: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}
