@@ -52,15 +52,15 @@ void Search::Start(const State& root, const OpponentModels& models, Rng rng) {
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
     if (agent != models.self()) known[static_cast<std::size_t>(agent)] = models.Of(agent);
   }
-  const bool same_players =
-      self_ == models.self() &&
+  const bool foresight =
+      settings_.tree_reuse && self_ == models.self() && finished_ > 0 &&
       std::ranges::equal(known, models_, {}, &ModelledAgent::model, &ModelledAgent::model);
   self_ = models.self();
   models_ = known;
   rng_ = rng;
   started_ = finished_ = reused_visits_ = 0;
   depth_sum_ = 0;
-  const NodeIndex foreseen = settings_.tree_reuse && same_players ? FindForeseen(root) : kNoNode;
+  const NodeIndex foreseen = foresight ? FindForeseen(root, kRoot) : kNoNode;
   if (foreseen == kNoNode) {
     BeginTree(root);
   } else {
@@ -81,14 +81,16 @@ void Search::BeginTree(const State& root) {
   }
 }
 
-// The first evaluated node one environment step below the root that has this position.
-NodeIndex Search::FindForeseen(const State& root) const {
-  if (tree_.size() == 0 || tree_[kRoot].state.step + 1 != root.step) return kNoNode;
-  for (NodeIndex index = 1; index < tree_.size(); ++index) {
-    const Node& node = tree_[index];
-    if (node.mover == self_ && node.state.step == root.step &&
-        (node.stage == Node::Stage::kEvaluated || node.stage == Node::Stage::kReady) &&
-        node.state == root) {
+// The evaluated node one environment step below `parent` that has this position.
+NodeIndex Search::FindForeseen(const State& root, NodeIndex parent) const {
+  for (const NodeIndex index : tree_[parent].child) {
+    if (index == kNoNode) continue;
+    const Node& child = tree_[index];
+    if (child.stage != Node::Stage::kEvaluated && child.stage != Node::Stage::kReady) continue;
+    if (child.mover != self_) {
+      const NodeIndex found = FindForeseen(root, index);
+      if (found != kNoNode) return found;
+    } else if (child.state == root) {
       return index;
     }
   }

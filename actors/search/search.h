@@ -75,7 +75,7 @@ class Search {
 
   // Start
   void BeginTree(const State& root);
-  [[nodiscard]] NodeIndex FindForeseen(const State& root) const;
+  [[nodiscard]] NodeIndex FindForeseen(const State& root, NodeIndex parent) const;
   void BeginRoot();
 
   // Gather: one simulation, from the root to a leaf. False if it has to be tried again after the

@@ -319,11 +319,8 @@ TEST(Search, SeveralLeavesFillABatch) {
   EXPECT_EQ(largest, 8U);
   EXPECT_LT(batches, 80);
   EXPECT_EQ(search.Result().simulations, 200);
-  EXPECT_EQ(search.Result().visits, [&] {
-    auto visits = search.Result().visits;
-    EXPECT_EQ(std::accumulate(visits.begin(), visits.end(), 0U), 200U);
-    return visits;
-  }());
+  const auto visits = search.Result().visits;
+  EXPECT_EQ(std::accumulate(visits.begin(), visits.end(), 0U), 200U);
 }
 
 TEST(Search, AnswersBeforeTheEndToo) {

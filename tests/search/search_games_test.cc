@@ -1,0 +1,119 @@
+// What must hold in every search of every kind of game.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "actors/search/search.h"
+#include "common/pommerman/observation.h"
+#include "tests/search/search_support.h"
+
+namespace powderkeg {
+namespace {
+
+// Policies and values that differ from position to position, and checks of what is asked.
+class HashEvaluator final : public Evaluator {
+ public:
+  void Evaluate(const GameSettings&, std::span<const Position> positions,
+                std::span<Evaluation> evaluations) override {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      const State& state = *positions[i].state;
+      const auto viewer = static_cast<std::size_t>(positions[i].viewer);
+      EXPECT_TRUE(state.agents[viewer].alive);
+      Rng rng(state.bomb_cells.low() ^ state.agents[viewer].cell ^ state.step);
+      float total = 0;
+      for (float& share : evaluations[i].policy) {
+        share = static_cast<float>(rng.Uniform());
+        total += share;
+      }
+      for (float& share : evaluations[i].policy) share /= total;
+      evaluations[i].value = static_cast<float>(2 * rng.Uniform() - 1);
+    }
+  }
+  [[nodiscard]] std::string name() const override { return "hash"; }
+};
+
+void ExpectSound(const SearchSettings& settings, const State& root, AgentId self,
+                 const SearchResult& result) {
+  const ActionSet legal = LegalActions(root, self);
+  EXPECT_TRUE((legal >> static_cast<int>(result.best) & 1) != 0);
+  if (!result.searched) return;
+  EXPECT_EQ(result.simulations, settings.simulations);
+  EXPECT_EQ(std::accumulate(result.visits.begin(), result.visits.end(), 0),
+            settings.simulations + result.reused_visits);
+  EXPECT_THAT(result.value, testing::AllOf(testing::Ge(-1.0F), testing::Le(1.0F)));
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    EXPECT_THAT(result.values[a], testing::AllOf(testing::Ge(-1.0001F), testing::Le(1.0001F)));
+    if ((legal >> a & 1) == 0) {
+      EXPECT_EQ(result.visits[a], 0U);
+      EXPECT_EQ(result.priors[a], 0);
+    }
+  }
+}
+
+// Four searching agents play one game to its end.
+void PlayGame(const SearchSettings& settings, const GameSettings& game, std::uint64_t seed) {
+  State state = GenerateStart(game, {}, Rng(seed));
+  HashEvaluator evaluator;
+  std::vector<Search> searches(kAgentCount, Search(settings, game));
+  std::array<OpponentModels, kAgentCount> models;
+  for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+    models[static_cast<std::size_t>(agent)].StartGame(settings, game, agent, Rng(seed));
+  }
+  for (Outcome outcome; !outcome.done;) {
+    State known = state;
+    known.RemoveItems(known.HiddenItems());
+    JointAction actions{};
+    for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+      const auto id = static_cast<std::size_t>(agent);
+      if (!state.agents[id].alive) continue;
+      searches[id].Start(known, models[id], Rng(seed).Split(state.step));
+      const SearchResult result = Finish(searches[id], evaluator, game);
+      ExpectSound(settings, known, agent, result);
+      actions[id] = result.best;
+    }
+    outcome = Advance(game, actions, state);
+    for (OpponentModels& observed : models) observed.ObserveStep(known, state);
+  }
+}
+
+struct Case {
+  const char* name;
+  const char* environment;
+  const char* options;
+};
+
+class SearchGames : public testing::TestWithParam<Case> {};
+
+TEST_P(SearchGames, EverySearchIsSound) {
+  const auto game = GameSettingsFor(GetParam().environment);
+  ASSERT_TRUE(game.has_value());
+  PlayGame(ParseSearchSettings(GetParam().options), *game, /*seed=*/11);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    KindsOfGames, SearchGames,
+    testing::Values(
+        Case{"FreeForAll", "PommeFFACompetition-v0", "simulations=20"},
+        Case{"FreeForAllPaper", "PommeFFACompetition-v0", "simulations=20,preset=paper"},
+        Case{"CollapsingBoard", "PommeFFA-v1", "simulations=20"},
+        Case{"CollapsingBoardTwoPlayer", "PommeFFA-v1", "simulations=20,tree=two_player"},
+        Case{"TwoPlayerInReach", "PommeFFACompetition-v0",
+             "simulations=20,tree=two_player,simulated_opponent_reach=4,"
+             "simulated_opponent=most_dangerous"},
+        Case{"Team", "PommeTeam-v0", "simulations=20"},
+        Case{"TeamTwoPlayer", "PommeTeam-v0", "simulations=20,tree=two_player,draw_value=-0.5"},
+        Case{"TeamFog", "PommeTeamCompetition-v0",
+             "simulations=20,opponents=harmless/official_simple/random"},
+        Case{"Radio", "PommeRadioCompetition-v2", "simulations=20,opponents=idle"},
+        Case{"NetworkModels", "PommeFFACompetition-v0",
+             "simulations=20,opponents=raw_network,leaves_per_batch=4"},
+        Case{"NetworkModelsTwoPlayer", "PommeTeam-v0",
+             "simulations=20,opponents=raw_network/simple_unbiased/raw_network,tree=two_player,"
+             "leaves_per_batch=16"},
+        Case{"OneVersusOne", "OneVsOne-v0", "simulations=20,tree=two_player"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+}  // namespace
+}  // namespace powderkeg
