@@ -360,17 +360,12 @@ Belief::Belief(const GameSettings& settings, const BeliefSettings& belief_settin
 
 void Belief::Observe(const Observation& observation) {
   const Sight sight(observation);
-  const bool goes_on = ever_seen_.Any() && observation.step == state_.step + 1;
   self_ = observation.self;
+  if (ever_seen_.Empty()) PlaceAtStart(settings_, observation, state_);
   State before;
-  if (goes_on) {
-    Collapse(settings_, state_);
+  if (ever_seen_.Any() && observation.step == state_.step + 1) {
     before = state_;
     state_ = Predict(settings_, sight, before);
-  } else {
-    state_ = State();
-    ever_seen_ = BitBoard();
-    PlaceAtStart(settings_, observation, state_);
   }
   state_.step = observation.step;
   if (!belief_settings_.remember_cells) {
@@ -387,6 +382,8 @@ void Belief::Observe(const Observation& observation) {
   if (belief_settings_.statistics == BeliefSettings::Statistics::kWorstCase) {
     AssumeTheWorst(settings_, self_, state_);
   }
+  Collapse(settings_, state_);
+  state_.agents[self_].alive = observation.alive[self_];
   visible_ = sight.visible;
   ever_seen_ |= visible_;
 }

@@ -25,13 +25,12 @@ struct BeliefSettings {
 
 // Turns the stream of one agent's observations into the State its search steps from: hidden items
 // are unknown (none), bombs have the owner that can have laid them, opponents' statistics are
-// inferred. A value; give it every observation of a game in order, the first one included. An
-// observation that does not follow the last one starts a new game.
+// inferred. A value; give it every observation of a game in order, the first one included.
 //
 // Each observation is first predicted: the moves that were seen are played on the believed position.
-// What is seen then overrides what was predicted. With the whole board in view of a free-for-all
-// game only this cannot be known, and is put right as soon as it shows: an item that another agent
-// picks up in the very step in which it comes out of the flames.
+// What is seen then overrides what was predicted. (After a gap in the steps nothing is predicted.)
+// With the whole board in view only this cannot be known, and is put right as soon as it shows: an
+// item that another agent picks up in the very step in which it comes out of the flames.
 //
 // Fog: a cell never seen counts as passage for Step. A remembered bomb out of sight goes on
 // ticking, rolling and exploding as Step would have it; an agent out of sight stays on the cell
@@ -44,7 +43,8 @@ class Belief {
 
   void Observe(const Observation& observation);
 
-  // The believed position, before a collapse as the observation is. Requires one Observe.
+  // The position that the next action is played on, so after a collapse; `self` is alive in it as
+  // long as it was observed alive. Requires one Observe.
   [[nodiscard]] const State& state() const { return state_; }
   [[nodiscard]] AgentId self() const { return self_; }
   // Cells in view in the last observation.

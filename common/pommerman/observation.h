@@ -17,7 +17,7 @@ struct Observation {
   std::array<std::uint8_t, kCellCount> bomb_blast_strength;  // 0: no bomb
   std::array<std::uint8_t, kCellCount> bomb_life;            // 0: no bomb
   std::array<Direction, kCellCount> bomb_moving_direction;
-  std::array<std::uint8_t, kCellCount> flame_life;  // remaining life + 1; 0: no flame
+  std::array<std::uint8_t, kCellCount> flame_life;  // remaining life + 1, 1..3; 0: none
   std::array<bool, kAgentCount> alive;              // of every agent, in every mode
   AgentId self;
   std::uint8_t position;        // own cell

@@ -224,6 +224,7 @@ void ReadCells(const Json& json, Observation& observation) {
   observation.bomb_blast_strength = Digits(Field(json, "bomb_blast_strength"));
   observation.bomb_life = Digits(Field(json, "bomb_life"));
   observation.flame_life = Digits(Field(json, "flame_life"));
+  if (std::ranges::max(observation.flame_life) > 3) throw Error("a flame lives longer than 3");
 }
 
 CellValue ReadCellValue(const Json& json) { return CellValueOf(NumberOf<std::uint8_t>(json)); }
