@@ -41,12 +41,18 @@ FoldedConvolution MakeDepthwise(FoldedConvolution convolution) {
   return convolution;
 }
 
-LinearLayer Linear(const WeightsSnapshot& snapshot, const std::string& name) {
+LinearLayer Matrix(const WeightsSnapshot& snapshot, const std::string& name) {
   const NamedArray& weights = snapshot.Array(name + ".weight");
   return {.inputs = static_cast<int>(weights.shape[1]),
           .outputs = static_cast<int>(weights.shape[0]),
           .weights = weights.values,
-          .bias = snapshot.Array(name + ".bias").values};
+          .bias = {}};
+}
+
+LinearLayer Linear(const WeightsSnapshot& snapshot, const std::string& name) {
+  LinearLayer layer = Matrix(snapshot, name);
+  layer.bias = snapshot.Array(name + ".bias").values;
+  return layer;
 }
 
 FoldedBlock FoldBlock(const WeightsSnapshot& snapshot, const std::string& prefix, int inputs,
@@ -84,6 +90,11 @@ FoldedNetwork Fold(const WeightsSnapshot& snapshot) {
   network.value_output = Linear(snapshot, "value.fc2");
   network.policy_convolution = FoldConvolution(snapshot, "policy.", "", /*stride=*/1);
   network.policy_output = Linear(snapshot, "policy.fc");
+  if (description.own_hidden > 0) {
+    network.own_hidden = Linear(snapshot, "own.fc");
+    network.own_value = Matrix(snapshot, "own.value");
+    network.own_policy = Matrix(snapshot, "own.policy");
+  }
   return network;
 }
 

@@ -23,7 +23,7 @@ struct LinearLayer {
   int inputs = 0;
   int outputs = 0;
   std::vector<float> weights;  // [outputs][inputs]
-  std::vector<float> bias;     // [outputs]
+  std::vector<float> bias;     // [outputs], or empty: 0
 };
 
 // Activation after each convolution but the last; then the sum with the block's input (if skip);
@@ -44,6 +44,10 @@ struct FoldedNetwork {
   LinearLayer value_output;
   FoldedConvolution policy_convolution;
   LinearLayer policy_output;
+  // The own head, or layers without outputs.
+  LinearLayer own_hidden;
+  LinearLayer own_value;
+  LinearLayer own_policy;
   float leaky_slope = 0;
 };
 

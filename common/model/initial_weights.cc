@@ -10,7 +10,7 @@ namespace {
 constexpr float kLastLayerGain = 0.1F;
 
 bool IsLastLayer(std::string_view name) {
-  return name == "value.fc2.weight" || name == "policy.fc.weight";
+  return name == "value.fc2.weight" || name == "policy.fc.weight" || name == "own.policy.weight";
 }
 
 bool IsVectorOfOnes(std::string_view name) {

@@ -46,7 +46,7 @@ class ArrayList {
     }
   }
   void AddLinear(const std::string& name, std::int64_t outputs, std::int64_t inputs) {
-    Add(name + ".weight", {outputs, inputs});
+    AddMatrix(name, outputs, inputs);
     Add(name + ".bias", {outputs});
   }
   void AddBlock(const std::string& prefix, int inputs, const BlockDescription& block) {
@@ -58,6 +58,9 @@ class ArrayList {
       AddConvolution(prefix, "2", {block.expanded, 1, 3, 3});
       AddConvolution(prefix, "3", {block.channels, block.expanded, 1, 1});
     }
+  }
+  void AddMatrix(const std::string& name, std::int64_t outputs, std::int64_t inputs) {
+    Add(name + ".weight", {outputs, inputs});
   }
   [[nodiscard]] std::vector<ArrayShape> Take() { return std::move(arrays_); }
 
@@ -89,13 +92,11 @@ NetworkDescription PaperNetwork() {
 NetworkDescription SmallNetwork() {
   NetworkDescription network;
   network.stem_channels = 32;
-  network.blocks = {
-      {.kind = Kind::kResidual, .expanded = 32, .channels = 32, .stride = 1},
-      {.kind = Kind::kResidual, .expanded = 32, .channels = 32, .stride = 1},
-  };
+  network.blocks = {{.kind = Kind::kResidual, .expanded = 32, .channels = 32, .stride = 1}};
   network.value_channels = 4;
   network.value_hidden = 64;
-  network.policy_channels = 8;
+  network.policy_channels = 4;
+  network.own_hidden = 64;
   return network;
 }
 
@@ -112,6 +113,7 @@ void Validate(const NetworkDescription& description) {
   RequireRange("value_channels", description.value_channels, 1, kMaxChannels);
   RequireRange("value_hidden", description.value_hidden, 1, kMaxChannels);
   RequireRange("policy_channels", description.policy_channels, 1, kMaxChannels);
+  RequireRange("own_hidden", description.own_hidden, 0, kMaxChannels);
   if (!(description.leaky_slope >= 0.0F && description.leaky_slope <= 1.0F)) {
     throw Error(StrCat("network description: leaky_slope is ", description.leaky_slope,
                        ", expected 0 to 1"));
@@ -121,6 +123,10 @@ void Validate(const NetworkDescription& description) {
                static_cast<int>(kMaxBlocks));
   for (std::size_t i = 0; i < description.blocks.size(); ++i)
     ValidateBlock(description.blocks[i], i);
+  if (description.own_hidden > 0 && TowerBoardSize(description) != kBoardSize) {
+    throw Error(StrCat("network description: own_hidden is ", description.own_hidden,
+                       " with a stride, expected 0"));
+  }
   const std::int64_t parameters = ParameterCount(description);
   if (parameters > kMaxParameters) {
     throw Error(StrCat("network description: ", parameters, " parameters, expected at most ",
@@ -152,6 +158,11 @@ std::vector<ArrayShape> ArraysOf(const NetworkDescription& description) {
   list.AddLinear("value.fc2", 1, description.value_hidden);
   list.AddConvolution("policy.", "", {description.policy_channels, channels, 1, 1});
   list.AddLinear("policy.fc", kActionCount, description.policy_channels * size * size);
+  if (description.own_hidden > 0) {
+    list.AddLinear("own.fc", description.own_hidden, channels);
+    list.AddMatrix("own.value", description.value_hidden, description.own_hidden);
+    list.AddMatrix("own.policy", kActionCount, description.own_hidden);
+  }
   return list.Take();
 }
 

@@ -34,6 +34,10 @@ struct BlockDescription {
 //   value:  1x1 -> value_channels, batch norm, activation, flatten, -> value_hidden, activation,
 //           -> 1, tanh
 //   policy: 1x1 -> policy_channels, batch norm, activation, flatten, -> 6 logits
+// and, where own_hidden > 0, what the tower says of the viewer's own cell (the cell marked in plane
+// 10; nothing is added where no cell is marked), the same for every cell of the board:
+//   own:    channels of that cell -> own_hidden, activation, -> added to the value's hidden layer
+//           before its activation, and -> added to the 6 logits
 // Every activation is LeakyReLU(leaky_slope); batch norm divides by sqrt(variance +
 // kBatchNormEpsilon). Convolutions of 3x3 pad the board with one ring of zeros.
 struct NetworkDescription {
@@ -44,6 +48,7 @@ struct NetworkDescription {
   int value_channels = 1;
   int value_hidden = 0;
   int policy_channels = 0;
+  int own_hidden = 0;  // 0: no own head, as in the paper; else the tower must stay 11x11
   float leaky_slope = 0.2F;
 
   friend bool operator==(const NetworkDescription&, const NetworkDescription&) = default;
@@ -71,7 +76,8 @@ void Validate(const NetworkDescription& description);
 // "stem.conv.weight" [out, in, 3, 3]; "stem.bn.weight|bias|running_mean|running_var" [out];
 // "blocks.<i>.conv<1..3>.weight" and ".bn<1..3>.*" (kResidual: 1..2); depthwise weights are
 // [channels, 1, 3, 3]; "value.conv|bn|fc1|fc2.*", "policy.conv|bn|fc.*" (fc: weight [out, in] and
-// bias [out]; the flattened order is channel, row, column).
+// bias [out]; the flattened order is channel, row, column); where there is an own head
+// "own.fc.weight|bias", "own.value.weight", "own.policy.weight".
 struct ArrayShape {
   std::string name;
   std::vector<std::int64_t> shape;

@@ -16,7 +16,7 @@ enum Plane : int {
   kMotionHorizontal = 7,
   kMotionVertical = 8,
   kFlames = 9,
-  kAgents = 10,
+  kAgents = kOwnCellPlane,
   kOwnReach = 14,
   kOwnBombs = 15,
   kOwnCapacity = 16,
@@ -117,6 +117,11 @@ void WriteOwnStatistics(const State& state, AgentId viewer, PlaneWriter& writer)
 }
 
 }  // namespace
+
+Cell OwnCell(const Position& position) {
+  const AgentState& self = position.state->agents[static_cast<std::size_t>(position.viewer)];
+  return self.alive && position.visible.Has(self.cell) ? Cell{self.cell} : kNoCell;
+}
 
 void EncodePlanes(const GameSettings& settings, const Position& position,
                   std::span<float, kPlanesSize> planes) {

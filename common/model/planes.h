@@ -30,11 +30,15 @@ namespace powderkeg {
 //   18..21 alive: self, self + 1, self + 2, self + 3
 //   22     step / (max_steps - 1), at most 1
 inline constexpr int kPlaneCount = 23;
+inline constexpr int kOwnCellPlane = 10;
 inline constexpr int kFirstConstantPlane = 14;
 inline constexpr int kPlanesSize = kPlaneCount * kCellCount;
 
 // Writes [plane][cell], 23 x 121 floats. Of the settings only max_steps matters.
 void EncodePlanes(const GameSettings& settings, const Position& position,
                   std::span<float, kPlanesSize> planes);
+
+// The cell that plane 10 marks, or kNoCell if the viewer is dead or stands in fog.
+[[nodiscard]] Cell OwnCell(const Position& position);
 
 }  // namespace powderkeg

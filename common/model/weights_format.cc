@@ -6,7 +6,7 @@
 //   version      u32, of the weights
 //   description  i32 planes, stem_channels, stem_stride; u32 blocks;
 //                per block: u8 kind, i32 expanded, channels, stride;
-//                i32 value_channels, value_hidden, policy_channels; f32 leaky_slope
+//                i32 value_channels, value_hidden, policy_channels, own_hidden; f32 leaky_slope
 //   arrays       u32 count; per array, in the order of ArraysOf(description):
 //                u16 length, name, u8 rank, rank times i64, then the values as f32
 //   canary       u32 count; per position: state, u8 viewer, six f32 policy, f32 value
@@ -109,8 +109,8 @@ void Write(const NetworkDescription& description, ByteWriter& out) {
       out.Write(std::int32_t{value});
     }
   }
-  for (const int value :
-       {description.value_channels, description.value_hidden, description.policy_channels}) {
+  for (const int value : {description.value_channels, description.value_hidden,
+                          description.policy_channels, description.own_hidden}) {
     out.Write(std::int32_t{value});
   }
   out.Write(description.leaky_slope);
@@ -136,6 +136,7 @@ NetworkDescription ReadDescription(ByteReader& in) {
   description.value_channels = in.Read<std::int32_t>();
   description.value_hidden = in.Read<std::int32_t>();
   description.policy_channels = in.Read<std::int32_t>();
+  description.own_hidden = in.Read<std::int32_t>();
   description.leaky_slope = in.Read<float>();
   Validate(description);
   return description;

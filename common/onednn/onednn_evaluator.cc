@@ -6,6 +6,9 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <numeric>
+#include <optional>
+#include <vector>
 
 #include "common/base/check.h"
 #include "common/model/planes.h"
@@ -44,13 +47,59 @@ void Softmax(std::span<const float, kActionCount> logits,
   for (float& probability : probabilities) probability /= sum;
 }
 
+void Activate(std::span<float> values, float leaky_slope) {
+  for (float& value : values) value = value > 0.0F ? value : value * leaky_slope;
+}
+
+float Dot(std::span<const float> a, std::span<const float> b) {
+  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0F);
+}
+
+// The own head: one cell per position, too little for a primitive.
+class OwnHead {
+ public:
+  explicit OwnHead(const FoldedNetwork& network)
+      : hidden_layer_(network.own_hidden),
+        output_weights_(network.own_value.weights),
+        leaky_slope_(network.leaky_slope),
+        hidden_(static_cast<std::size_t>(hidden_layer_.outputs)) {
+    output_weights_.insert(output_weights_.end(), network.own_policy.weights.begin(),
+                           network.own_policy.weights.end());
+  }
+
+  // Adds its part to `head` ([value_hidden + 6], before activations). `tower`: [cell][channel].
+  void Add(std::span<const float> tower, Cell own_cell, std::span<float> head) {
+    if (own_cell == kNoCell) return;
+    const auto channels = static_cast<std::size_t>(hidden_layer_.inputs);
+    const auto input = tower.subspan(static_cast<std::size_t>(own_cell) * channels, channels);
+    const std::span<const float> hidden_weights(hidden_layer_.weights);
+    for (std::size_t i = 0; i < hidden_.size(); ++i) {
+      hidden_[i] =
+          hidden_layer_.bias[i] + Dot(hidden_weights.subspan(i * channels, channels), input);
+    }
+    Activate(hidden_, leaky_slope_);
+    const std::span<const float> output_weights(output_weights_);
+    for (std::size_t i = 0; i < head.size(); ++i) {
+      head[i] += Dot(output_weights.subspan(i * hidden_.size(), hidden_.size()), hidden_);
+    }
+  }
+
+ private:
+  LinearLayer hidden_layer_;
+  std::vector<float> output_weights_;  // [value_hidden + 6][own_hidden]
+  float leaky_slope_;
+  std::vector<float> hidden_;
+};
+
 class OnednnEvaluator final : public Evaluator {
  public:
   OnednnEvaluator(const FoldedNetwork& network, Precision precision)
       : precision_(precision),
         network_(onednn::JoinHeads(network)),
         value_output_(network.value_output),
-        engine_(dnnl::engine::kind::cpu, 0) {}
+        engine_(dnnl::engine::kind::cpu, 0) {
+    if (network_.needs_tower) own_head_.emplace(network);
+  }
 
   void Evaluate(const GameSettings& settings, std::span<const Position> positions,
                 std::span<Evaluation> evaluations) override {
@@ -74,23 +123,24 @@ class OnednnEvaluator final : public Evaluator {
       planes += kPlanesSize;
     }
     program.Run();
-    std::span<const float> output = program.output();
     const auto width = static_cast<std::size_t>(network_.head.outputs);
-    for (Evaluation& evaluation : evaluations) {
-      Finish(output.first(width), evaluation);
-      output = output.subspan(width);
+    const std::size_t tower_size = program.tower().size() / positions.size();
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      const std::span<float> head = program.output().subspan(i * width, width);
+      if (own_head_.has_value()) {
+        own_head_->Add(program.tower().subspan(i * tower_size, tower_size), OwnCell(positions[i]),
+                       head);
+      }
+      Finish(head, evaluations[i]);
     }
   }
 
   // The last layers of one position, from its part of the program's output.
-  void Finish(std::span<const float> output, Evaluation& evaluation) const {
-    Softmax(output.last<kActionCount>(), evaluation.policy);
-    float sum = value_output_.bias[0];
-    for (std::size_t i = 0; i < value_output_.weights.size(); ++i) {
-      const float hidden = output[i] > 0.0F ? output[i] : output[i] * network_.leaky_slope;
-      sum += hidden * value_output_.weights[i];
-    }
-    evaluation.value = std::tanh(sum);
+  void Finish(std::span<float> head, Evaluation& evaluation) const {
+    Softmax(head.last<kActionCount>(), evaluation.policy);
+    const std::span<float> hidden = head.first(head.size() - kActionCount);
+    Activate(hidden, network_.leaky_slope);
+    evaluation.value = std::tanh(value_output_.bias[0] + Dot(value_output_.weights, hidden));
   }
 
   Program& ProgramFor(std::size_t count) {
@@ -106,6 +156,7 @@ class OnednnEvaluator final : public Evaluator {
   Precision precision_;
   JoinedNetwork network_;
   LinearLayer value_output_;
+  std::optional<OwnHead> own_head_;
   dnnl::engine engine_;
   std::array<std::unique_ptr<Program>, kSlice> programs_;  // [positions - 1], made when needed
 };

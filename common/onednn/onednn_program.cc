@@ -40,7 +40,12 @@ memory::dims OutputDims(const FoldedConvolution& layer, const memory::dims& sour
 JoinedNetwork JoinHeads(const FoldedNetwork& network) {
   const FoldedConvolution& value = network.value_convolution;
   const FoldedConvolution& policy = network.policy_convolution;
-  JoinedNetwork joined{network.stem, network.blocks, value, {}, network.leaky_slope};
+  JoinedNetwork joined{.stem = network.stem,
+                       .blocks = network.blocks,
+                       .head_convolution = value,
+                       .head = {},
+                       .needs_tower = network.own_hidden.outputs > 0,
+                       .leaky_slope = network.leaky_slope};
   FoldedConvolution& convolution = joined.head_convolution;
   convolution.outputs += policy.outputs;
   convolution.weights.insert(convolution.weights.end(), policy.weights.begin(),
@@ -104,6 +109,7 @@ Program::Program(const JoinedNetwork& network, int positions, memory::data_type 
   memory x =
       AddConvolution(network.stem, memory(plain, engine_, input_.data()), Activation::kLeaky);
   for (const FoldedBlock& block : network.blocks) x = AddBlock(block, x);
+  if (network.needs_tower) AddTowerCopy(x);
   x = AddConvolution(network.head_convolution, x, Activation::kLeaky);
   AddLinear(network.head, x);
   arena_.Commit();
@@ -176,9 +182,19 @@ void Program::AddLinear(const LinearLayer& layer, const memory& source) {
 memory Program::Converted(const memory& source, const Desc& desc) {
   if (source.get_desc() == desc) return source;
   const memory copy = arena_.Acquire(desc, engine_);
-  const dnnl::reorder::primitive_desc description(source, copy, MakeAttributes());
-  AddStep(description, dnnl::reorder(description), {{DNNL_ARG_FROM, source}, {DNNL_ARG_TO, copy}});
+  AddReorder(source, copy);
   return copy;
+}
+
+void Program::AddReorder(const memory& from, const memory& to) {
+  const dnnl::reorder::primitive_desc description(from, to, MakeAttributes());
+  AddStep(description, dnnl::reorder(description), {{DNNL_ARG_FROM, from}, {DNNL_ARG_TO, to}});
+}
+
+void Program::AddTowerCopy(const memory& source) {
+  const memory::dims dims = source.get_desc().dims();
+  tower_.resize(static_cast<std::size_t>(dims[0] * dims[1] * dims[2] * dims[3]));
+  AddReorder(source, memory({dims, kF32, Tag::nhwc}, engine_, tower_.data()));
 }
 
 void Program::ReleaseCopy(const memory& copy, const memory& source) {

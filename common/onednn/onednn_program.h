@@ -16,13 +16,14 @@ namespace powderkeg::onednn {
 
 // A folded network whose two heads are one: their 1x1 convolutions side by side, then one linear
 // layer with the value's hidden layer (before its activation) and the policy's logits side by side.
-// What one head does not read of the other's channels has weight 0. The value's output layer, tanh
-// and softmax are left to the caller.
+// What one head does not read of the other's channels has weight 0. The own head, the value's
+// output layer, tanh and softmax are left to the caller.
 struct JoinedNetwork {
   FoldedConvolution stem;
   std::vector<FoldedBlock> blocks;
   FoldedConvolution head_convolution;
-  LinearLayer head;  // outputs: value_hidden, then 6 logits
+  LinearLayer head;          // outputs: value_hidden, then 6 logits
+  bool needs_tower = false;  // whether the caller reads Program::tower()
   float leaky_slope = 0;
 };
 [[nodiscard]] JoinedNetwork JoinHeads(const FoldedNetwork& network);
@@ -61,8 +62,12 @@ class Program {
   // [positions][plane][cell], to be written before Run.
   [[nodiscard]] std::span<float> input() { return input_; }
   void Run();
-  // [positions][value_hidden + 6] after Run.
-  [[nodiscard]] std::span<const float> output() const { return output_; }
+  // [positions][value_hidden + 6] after Run; the caller may work in it.
+  [[nodiscard]] std::span<float> output() { return output_; }
+
+  // [positions][cell][channel], what comes out of the last block, after Run; empty unless
+  // needs_tower.
+  [[nodiscard]] std::span<const float> tower() const { return tower_; }
 
   // How oneDNN implements each step, for logs and tests.
   [[nodiscard]] const std::vector<std::string>& implementations() const { return implementations_; }
@@ -82,6 +87,9 @@ class Program {
                                             const dnnl::memory* residual = nullptr);
   // Into output(). `source` has as many values per position as the layer has inputs.
   void AddLinear(const LinearLayer& layer, const dnnl::memory& source);
+  // Copies the tower's result to tower().
+  void AddTowerCopy(const dnnl::memory& source);
+  void AddReorder(const dnnl::memory& from, const dnnl::memory& to);
   // `source` in the form `desc`: itself, or a copy made by a reorder step.
   [[nodiscard]] dnnl::memory Converted(const dnnl::memory& source, const dnnl::memory::desc& desc);
   // Releases `copy` if Converted made it from `source`.
@@ -103,6 +111,7 @@ class Program {
   std::vector<std::string> implementations_;
   std::vector<float> input_;
   std::vector<float> output_;
+  std::vector<float> tower_;
 };
 
 }  // namespace powderkeg::onednn

@@ -58,15 +58,26 @@ class InferenceNetwork {
     value_output_ = Load(network.value_output);
     policy_convolution_ = Load(network.policy_convolution);
     policy_output_ = Load(network.policy_output);
+    has_own_head_ = network.own_hidden.outputs > 0;
+    if (!has_own_head_) return;
+    own_hidden_ = Load(network.own_hidden);
+    own_value_ = Load(network.own_value);
+    own_policy_ = Load(network.own_policy);
   }
 
   // planes: [positions, 23, 11, 11] on any device. Returns [positions, 7] on the CPU as fp32:
   // policy probabilities, then value.
   [[nodiscard]] torch::Tensor Forward(const torch::Tensor& planes) const {
-    torch::Tensor x = Activate(Run(stem_, ToInput(planes)));
+    const torch::Tensor input = ToInput(planes);
+    torch::Tensor x = Activate(Run(stem_, input));
     for (const BlockLayers& block : blocks_) x = Run(block, x);
-    const torch::Tensor policy = Run(policy_output_, Activate(Run(policy_convolution_, x)));
-    const torch::Tensor hidden = Run(value_hidden_, Activate(Run(value_convolution_, x)));
+    torch::Tensor policy = Run(policy_output_, Activate(Run(policy_convolution_, x)));
+    torch::Tensor hidden = Run(value_hidden_, Activate(Run(value_convolution_, x)));
+    if (has_own_head_) {
+      const torch::Tensor own = OwnFeatures(x, input);
+      hidden += Run(own_value_, own);
+      policy += Run(own_policy_, own);
+    }
     const torch::Tensor value = Run(value_output_, Activate(hidden));
     return torch::cat({policy.to(torch::kFloat32).softmax(1), value.to(torch::kFloat32).tanh()}, 1)
         .to(torch::kCPU);
@@ -82,7 +93,7 @@ class InferenceNetwork {
   };
   struct Linear {
     torch::Tensor weights;
-    torch::Tensor bias;
+    torch::Tensor bias;  // undefined: 0
   };
   struct BlockLayers {
     std::vector<Convolution> convolutions;
@@ -101,8 +112,9 @@ class InferenceNetwork {
             Tensor(layer.bias, {layer.outputs}), layer.stride, layer.kernel / 2, layer.groups};
   }
   [[nodiscard]] Linear Load(const LinearLayer& layer) const {
-    return {Tensor(layer.weights, {layer.outputs, layer.inputs}),
-            Tensor(layer.bias, {layer.outputs})};
+    Linear linear{Tensor(layer.weights, {layer.outputs, layer.inputs}), {}};
+    if (!layer.bias.empty()) linear.bias = Tensor(layer.bias, {layer.outputs});
+    return linear;
   }
 
   [[nodiscard]] torch::Tensor ToInput(const torch::Tensor& planes) const {
@@ -128,6 +140,13 @@ class InferenceNetwork {
     return block.final_activation ? Activate(x) : x;
   }
 
+  // As NetworkImpl::OwnFeatures.
+  [[nodiscard]] torch::Tensor OwnFeatures(const torch::Tensor& tower,
+                                          const torch::Tensor& input) const {
+    const torch::Tensor marked = input.slice(/*dim=*/1, kOwnCellPlane, kOwnCellPlane + 1);
+    return Activate(Run(own_hidden_, (tower * marked).sum({2, 3}))) * marked.sum({2, 3});
+  }
+
   torch::TensorOptions options_;
   double leaky_slope_;
   Convolution stem_;
@@ -137,6 +156,10 @@ class InferenceNetwork {
   Linear value_output_;
   Convolution policy_convolution_;
   Linear policy_output_;
+  bool has_own_head_ = false;
+  Linear own_hidden_;
+  Linear own_value_;
+  Linear own_policy_;
 };
 
 class TorchEvaluator final : public Evaluator {

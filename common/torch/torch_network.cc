@@ -1,6 +1,6 @@
 #include "common/torch/torch_network.h"
 
-#include "common/base/check.h"
+#include "common/model/planes.h"
 #include "common/pommerman/types.h"
 
 namespace powderkeg {
@@ -73,18 +73,31 @@ NetworkImpl::NetworkImpl(const NetworkDescription& description)
                                              Block(channels, block, description.leaky_slope)));
     channels = block.channels;
   }
-  const int size = TowerBoardSize(description);
-  const int cells = size * size;
+  RegisterHeads(channels);
+}
+
+void NetworkImpl::RegisterHeads(int channels) {
+  const int cells = TowerBoardSize(description_) * TowerBoardSize(description_);
   auto value = register_module("value", std::make_shared<torch::nn::Module>());
-  value_ = RegisterBranch(*value, channels, description.value_channels, /*kernel=*/1, /*stride=*/1);
+  value_ =
+      RegisterBranch(*value, channels, description_.value_channels, /*kernel=*/1, /*stride=*/1);
   value_hidden_ = value->register_module(
-      "fc1", torch::nn::Linear(description.value_channels * cells, description.value_hidden));
-  value_output_ = value->register_module("fc2", torch::nn::Linear(description.value_hidden, 1));
+      "fc1", torch::nn::Linear(description_.value_channels * cells, description_.value_hidden));
+  value_output_ = value->register_module("fc2", torch::nn::Linear(description_.value_hidden, 1));
   auto policy = register_module("policy", std::make_shared<torch::nn::Module>());
   policy_ =
-      RegisterBranch(*policy, channels, description.policy_channels, /*kernel=*/1, /*stride=*/1);
+      RegisterBranch(*policy, channels, description_.policy_channels, /*kernel=*/1, /*stride=*/1);
   policy_output_ = policy->register_module(
-      "fc", torch::nn::Linear(description.policy_channels * cells, kActionCount));
+      "fc", torch::nn::Linear(description_.policy_channels * cells, kActionCount));
+  if (description_.own_hidden == 0) return;
+  const int own = description_.own_hidden;
+  const auto matrix = [own](int outputs) {
+    return torch::nn::Linear(torch::nn::LinearOptions(own, outputs).bias(false));
+  };
+  auto own_head = register_module("own", std::make_shared<torch::nn::Module>());
+  own_hidden_ = own_head->register_module("fc", torch::nn::Linear(channels, own));
+  own_value_ = own_head->register_module("value", matrix(description_.value_hidden));
+  own_policy_ = own_head->register_module("policy", matrix(kActionCount));
 }
 
 NetworkImpl::Branch NetworkImpl::RegisterBranch(torch::nn::Module& parent, int inputs, int outputs,
@@ -98,13 +111,24 @@ torch::Tensor NetworkImpl::Run(Branch& branch, const torch::Tensor& input) const
   return Activate(branch.norm(branch.convolution(input)), description_.leaky_slope);
 }
 
+torch::Tensor NetworkImpl::OwnFeatures(const torch::Tensor& tower, const torch::Tensor& planes) {
+  const torch::Tensor marked = planes.slice(/*dim=*/1, kOwnCellPlane, kOwnCellPlane + 1);
+  const torch::Tensor channels = (tower * marked).sum({2, 3});
+  return Activate(own_hidden_(channels), description_.leaky_slope) * marked.sum({2, 3});
+}
+
 NetworkOutput NetworkImpl::forward(const torch::Tensor& planes) {
   torch::Tensor x = Run(stem_, planes);
   for (Block& block : blocks_) x = block(x);
-  const torch::Tensor hidden =
-      Activate(value_hidden_(Run(value_, x).flatten(1)), description_.leaky_slope);
-  return {.policy_logits = policy_output_(Run(policy_, x).flatten(1)),
-          .value = torch::tanh(value_output_(hidden)).squeeze(1)};
+  torch::Tensor hidden = value_hidden_(Run(value_, x).flatten(1));
+  torch::Tensor logits = policy_output_(Run(policy_, x).flatten(1));
+  if (own_hidden_) {
+    const torch::Tensor own = OwnFeatures(x, planes);
+    hidden = hidden + own_value_(own);
+    logits = logits + own_policy_(own);
+  }
+  const torch::Tensor value = value_output_(Activate(hidden, description_.leaky_slope));
+  return {.policy_logits = logits, .value = torch::tanh(value).squeeze(1)};
 }
 
 }  // namespace powderkeg

@@ -52,6 +52,9 @@ class NetworkImpl : public torch::nn::Module {
   };
   Branch RegisterBranch(torch::nn::Module& parent, int inputs, int outputs, int kernel, int stride);
   torch::Tensor Run(Branch& branch, const torch::Tensor& input) const;
+  void RegisterHeads(int channels);
+  // [positions, own_hidden] from what the tower says of the own cell.
+  torch::Tensor OwnFeatures(const torch::Tensor& tower, const torch::Tensor& planes);
 
   NetworkDescription description_;
   Branch stem_;
@@ -61,6 +64,10 @@ class NetworkImpl : public torch::nn::Module {
   torch::nn::Linear value_output_{nullptr};
   Branch policy_;
   torch::nn::Linear policy_output_{nullptr};
+  // The own head; null without one.
+  torch::nn::Linear own_hidden_{nullptr};
+  torch::nn::Linear own_value_{nullptr};
+  torch::nn::Linear own_policy_{nullptr};
 };
 TORCH_MODULE(Network);
 

@@ -58,6 +58,8 @@ TEST(NetworkDescription, RefusesWhatCannotBeBuilt) {
       [](auto& n) { n.value_channels = 0; },
       [](auto& n) { n.value_hidden = -1; },
       [](auto& n) { n.policy_channels = 0; },
+      [](auto& n) { n.own_hidden = -1; },
+      [](auto& n) { n.own_hidden = 8; },  // the paper's network has a stride
       [](auto& n) { n.leaky_slope = -0.1F; },
       [](auto& n) { n.leaky_slope = std::numeric_limits<float>::quiet_NaN(); },
       [](auto& n) {

@@ -82,7 +82,8 @@ Snapshot RandomWeights(const NetworkDescription& description, std::uint64_t seed
   snapshot.version = 7;
   for (NamedArray& array : snapshot.arrays) {
     const bool is_norm = array.name.find("bn") != std::string::npos;
-    const bool is_last = array.name == "policy.fc.weight" || array.name == "value.fc2.weight";
+    const bool is_last = array.name == "policy.fc.weight" || array.name == "value.fc2.weight" ||
+                         array.name == "own.policy.weight";
     for (float& value : array.values) {
       if (is_norm) value += 0.4F * static_cast<float>(rng.Uniform() - 0.5);
       if (is_last) value *= 10.0F;

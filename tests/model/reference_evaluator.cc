@@ -40,13 +40,14 @@ class Forward {
     Image value = ConvolutionAndNorm(x, "value.", "", 1);
     Activate(value.values);
     std::vector<float> hidden = Linear(value.values, "value.fc1");
-    Activate(hidden);
     Image policy = ConvolutionAndNorm(x, "policy.", "", 1);
     Activate(policy.values);
+    std::vector<float> logits = Linear(policy.values, "policy.fc");
+    if (description.own_hidden > 0) AddOwnHead(planes, x, hidden, logits);
+    Activate(hidden);
     Evaluation evaluation{};
     evaluation.value = std::tanh(Linear(hidden, "value.fc2")[0]);
     float sum = 0.0F;
-    const std::vector<float> logits = Linear(policy.values, "policy.fc");
     for (const float logit : logits) sum += std::exp(logit);
     for (std::size_t i = 0; i < kActionCount; ++i) {
       evaluation.policy[i] = std::exp(logits[i]) / sum;
@@ -126,15 +127,35 @@ class Forward {
     return x;
   }
 
-  [[nodiscard]] std::vector<float> Linear(const std::vector<float>& input,
-                                          const std::string& name) const {
-    const std::vector<float>& weights = snapshot_.Array(name + ".weight").values;
-    std::vector<float> output = snapshot_.Array(name + ".bias").values;
+  void AddOwnHead(const Image& planes, const Image& tower, std::vector<float>& hidden,
+                  std::vector<float>& logits) const {
+    const float* const own_cell = planes.Channel(kOwnCellPlane);
+    for (int cell = 0; cell < kCellCount; ++cell) {
+      if (own_cell[cell] == 0.0F) continue;
+      std::vector<float> own;
+      for (int channel = 0; channel < tower.channels; ++channel) {
+        own.push_back(tower.Channel(channel)[cell]);
+      }
+      own = Linear(own, "own.fc");
+      Activate(own);
+      AddProduct(snapshot_.Array("own.value.weight"), own, hidden);
+      AddProduct(snapshot_.Array("own.policy.weight"), own, logits);
+    }
+  }
+
+  static void AddProduct(const NamedArray& weights, const std::vector<float>& input,
+                         std::vector<float>& output) {
     for (std::size_t o = 0; o < output.size(); ++o) {
       for (std::size_t i = 0; i < input.size(); ++i) {
-        output[o] += weights[o * input.size() + i] * input[i];
+        output[o] += weights.values[o * input.size() + i] * input[i];
       }
     }
+  }
+
+  [[nodiscard]] std::vector<float> Linear(const std::vector<float>& input,
+                                          const std::string& name) const {
+    std::vector<float> output = snapshot_.Array(name + ".bias").values;
+    AddProduct(snapshot_.Array(name + ".weight"), input, output);
     return output;
   }
 
