@@ -1,60 +1,75 @@
 #include "actors/search/opponent_models.h"
 
-#include "common/base/check.h"
 #include "common/pommerman/observation.h"
 
 namespace powderkeg {
+namespace {
 
+// The policy a model starts with.
 PolicyKind PolicyOf(OpponentModel model) {
   switch (model) {
     case OpponentModel::kIdle: return PolicyKind::kIdle;
     case OpponentModel::kRandom: return PolicyKind::kRandom;
     case OpponentModel::kHarmless: return PolicyKind::kHarmless;
-    case OpponentModel::kSimpleUnbiased: return PolicyKind::kSimpleUnbiased;
     case OpponentModel::kOfficialSimple: return PolicyKind::kOfficialSimple;
+    case OpponentModel::kSimpleUnbiased:
+    case OpponentModel::kObserved:
     case OpponentModel::kRawNetwork: break;
   }
-  CHECK(false, "not a rule-based model: ", static_cast<int>(model));
-  return PolicyKind::kIdle;
+  return PolicyKind::kSimpleUnbiased;
 }
+
+}  // namespace
 
 void OpponentModels::StartGame(const SearchSettings& settings, const GameSettings& game,
                                AgentId self, Rng rng) {
   memory_ = settings.memory;
   game_ = game;
   self_ = self;
-  agents_ = {};
+  others_ = {};
+  const auto memory = memory_ == ModelMemory::kReset ? ModelChoice::Memory::kReset
+                                                     : ModelChoice::Memory::kSynchronized;
   for (int i = 1; i < kAgentCount; ++i) {
     const auto id = static_cast<std::size_t>((self + i) % kAgentCount);
-    agents_[id].model = settings.opponents[static_cast<std::size_t>(i - 1)];
-    agents_[id].traits = PolicyTraits::Draw(rng);
-    orders_[id].Start(agents_[id].traits, rng.Split(id));
+    const OpponentModel assumed = settings.opponents[static_cast<std::size_t>(i - 1)];
+    Other& other = others_[id];
+    other.model.kind = assumed == OpponentModel::kRawNetwork ? ModelledAgent::Kind::kNetwork
+                                                             : ModelledAgent::Kind::kPolicy;
+    other.model.policy = PolicyOf(assumed);
+    other.model.traits = PolicyTraits::Draw(rng);
+    other.chooses = assumed == OpponentModel::kObserved;
+    other.choice.Start(memory, rng.Split(kAgentCount + id));
+    other.orders.Start(other.model.traits, rng.Split(id));
   }
 }
 
 void OpponentModels::ObserveStep(const State& before, const State& after) {
-  if (memory_ == ModelMemory::kReset) return;
-  for (AgentId id = 0; id < kAgentCount; ++id) {
-    const auto index = static_cast<std::size_t>(id);
-    ModelledAgent& agent = agents_[index];
-    if (id == self_ || agent.model == OpponentModel::kRawNetwork) continue;
-    if (!before.agents[index].alive) continue;
-    InferOrders(before, after, id);
-    ObserveMove(PolicyOf(agent.model), before.agents[index].cell, after.agents[index].cell,
-                agent.memory);
+  for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+    const auto id = static_cast<std::size_t>(agent);
+    if (agent == self_ || !before.agents[id].alive) continue;
+    if (others_[id].model.kind == ModelledAgent::Kind::kNetwork) continue;
+    const BitBoard visible =
+        game_.view_radius == 0 ? BitBoard::All() : VisibleCells(game_, before.agents[id].cell);
+    ObserveAgent({before, game_, agent, visible}, after, others_[id]);
   }
 }
 
-void OpponentModels::InferOrders(const State& before, const State& after, AgentId agent) {
-  const auto index = static_cast<std::size_t>(agent);
-  ModelledAgent& modelled = agents_[index];
-  if (memory_ != ModelMemory::kInferred || modelled.model != OpponentModel::kSimpleUnbiased) return;
+void OpponentModels::ObserveAgent(const PolicyView& view, const State& after, Other& other) const {
+  ModelledAgent& model = other.model;
   Action seen = Action::kStop;
-  if (!SeenAction(before, after, agent, seen)) return;
-  const BitBoard visible =
-      game_.view_radius == 0 ? BitBoard::All() : VisibleCells(game_, before.agents[index].cell);
-  orders_[index].Observe({before, game_, agent, visible}, modelled.memory, seen);
-  modelled.traits = orders_[index].traits();
+  if (memory_ == ModelMemory::kInferred && model.policy == PolicyKind::kSimpleUnbiased &&
+      SeenAction(view.state, after, view.self, seen)) {
+    other.orders.Observe(view, model.memory, seen);
+    model.traits = other.orders.traits();
+  }
+  if (other.chooses) {
+    other.choice.Observe(view, model.traits, after);
+    model.policy = other.choice.best().policy;
+    model.memory = other.choice.best().memory;
+  } else if (memory_ != ModelMemory::kReset) {
+    const auto id = static_cast<std::size_t>(view.self);
+    ObserveMove(model.policy, view.state.agents[id].cell, after.agents[id].cell, model.memory);
+  }
 }
 
 }  // namespace powderkeg

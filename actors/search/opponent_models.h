@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "actors/search/model_choice.h"
 #include "actors/search/order_inference.h"
 #include "actors/search/search_settings.h"
 #include "common/base/rng.h"
@@ -14,18 +15,17 @@
 
 namespace powderkeg {
 
-// The model of one agent. Traits hold for a search; the memory is what the search's root starts
-// from.
+// How one agent is assumed to act. Policy and traits hold for a search; the memory is what its root
+// starts from.
 struct ModelledAgent {
-  OpponentModel model = OpponentModel::kIdle;
+  enum class Kind : std::uint8_t { kPolicy, kNetwork };
+  Kind kind = Kind::kPolicy;
+  PolicyKind policy = PolicyKind::kIdle;  // of a kPolicy
   PolicyTraits traits;
   PolicyMemory memory;
 
   friend bool operator==(const ModelledAgent&, const ModelledAgent&) = default;
 };
-
-// Whether the model is a rule-based policy, and which. Requires a model other than kRawNetwork.
-[[nodiscard]] PolicyKind PolicyOf(OpponentModel model);
 
 // A value, one per searching agent and game: StartGame, then ObserveStep once per real step. Reads
 // only what the agent's belief holds.
@@ -42,17 +42,22 @@ class OpponentModels {
   [[nodiscard]] AgentId self() const { return self_; }
   // Requires agent != self().
   [[nodiscard]] const ModelledAgent& Of(AgentId agent) const {
-    return agents_[static_cast<std::size_t>(agent)];
+    return others_[static_cast<std::size_t>(agent)].model;
   }
 
  private:
-  void InferOrders(const State& before, const State& after, AgentId agent);
+  struct Other {
+    ModelledAgent model;
+    bool chooses = false;   // the policy is chosen by `choice`
+    ModelChoice choice;     // where it is
+    OrderInference orders;  // where the memory setting is kInferred
+  };
+  void ObserveAgent(const PolicyView& view, const State& after, Other& other) const;
 
   ModelMemory memory_ = ModelMemory::kSynchronized;
   GameSettings game_;
   AgentId self_ = 0;
-  std::array<ModelledAgent, kAgentCount> agents_;
-  std::array<OrderInference, kAgentCount> orders_;  // used where the memory setting is kInferred
+  std::array<Other, kAgentCount> others_;
 };
 
 }  // namespace powderkeg

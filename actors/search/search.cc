@@ -18,6 +18,10 @@ constexpr float kWin = 1;
 constexpr float kLoss = -1;
 constexpr float kOwnDeathInTeam = -0.5F;
 
+bool ActsAlike(const ModelledAgent& a, const ModelledAgent& b) {
+  return a.kind == b.kind && a.policy == b.policy;
+}
+
 GameSettings AsKnownTo(const SearchSettings& settings, GameSettings game) {
   if (!settings.step_limit) game.max_steps = std::numeric_limits<int>::max();
   return game;
@@ -52,9 +56,8 @@ void Search::Start(const State& root, const OpponentModels& models, Rng rng) {
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
     if (agent != models.self()) known[static_cast<std::size_t>(agent)] = models.Of(agent);
   }
-  const bool foresight =
-      settings_.tree_reuse && self_ == models.self() && finished_ > 0 &&
-      std::ranges::equal(known, models_, {}, &ModelledAgent::model, &ModelledAgent::model);
+  const bool foresight = settings_.tree_reuse && self_ == models.self() && finished_ > 0 &&
+                         std::ranges::equal(known, models_, ActsAlike);
   self_ = models.self();
   models_ = known;
   rng_ = rng;
@@ -173,13 +176,13 @@ bool Search::DecideForOthers(NodeIndex index, EvaluationBatch& batch) {
     node.actions[id] = Action::kStop;
     if (agent == self_ || agent == node.next_mover || !IsAlive(node.state, agent)) continue;
     const ModelledAgent& known = models_[id];
-    if (known.model == OpponentModel::kRawNetwork) {
+    if (known.kind == ModelledAgent::Kind::kNetwork) {
       node.stage = Node::Stage::kAsksModels;
       Ask(index, agent, batch);
       continue;
     }
     const PolicyView view{node.state, game_, agent, VisibleFor(node.state, agent)};
-    node.actions[id] = Decide(PolicyOf(known.model), view, known.traits, node.memories[id], rng_);
+    node.actions[id] = Decide(known.policy, view, known.traits, node.memories[id], rng_);
   }
   return node.stage == Node::Stage::kReady;
 }
@@ -203,8 +206,8 @@ NodeIndex Search::Expand(NodeIndex parent_index, Action action) {
 void Search::StepEnvironment(const Node& parent, Node& child) {
   const Outcome outcome = Advance(game_, child.actions, child.state);
   const auto mover = static_cast<std::size_t>(parent.mover);
-  if (parent.mover != self_ && models_[mover].model != OpponentModel::kRawNetwork) {
-    ObserveMove(PolicyOf(models_[mover].model), parent.state.agents[mover].cell,
+  if (parent.mover != self_) {
+    ObserveMove(models_[mover].policy, parent.state.agents[mover].cell,
                 child.state.agents[mover].cell, child.memories[mover]);
   }
   child.mover = child.next_mover = static_cast<std::uint8_t>(self_);

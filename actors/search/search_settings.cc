@@ -18,8 +18,8 @@ using Names = std::span<const std::string_view>;
 constexpr std::array<std::string_view, 2> kTreeNames = {"one_player", "two_player"};
 constexpr std::array<std::string_view, 2> kSimulatedOpponentNames = {"closest", "most_dangerous"};
 constexpr std::array<std::string_view, 3> kMemoryNames = {"reset", "synchronized", "inferred"};
-constexpr std::array<std::string_view, 6> kModelNames = {
-    "idle", "random", "harmless", "simple_unbiased", "official_simple", "raw_network"};
+constexpr std::array<std::string_view, 7> kModelNames = {
+    "idle", "random", "harmless", "simple_unbiased", "official_simple", "raw_network", "observed"};
 constexpr std::array<std::string_view, 2> kFlagNames = {"false", "true"};
 
 struct Whole {

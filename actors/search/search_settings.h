@@ -33,6 +33,7 @@ enum class OpponentModel : std::uint8_t {
   kSimpleUnbiased,
   kOfficialSimple,
   kRawNetwork,  // argmax of the network's policy for that agent over its legal actions
+  kObserved,    // the rule-based policy that foretold its actions in this game best so far
 };
 
 // What the models of rule-based opponents remember from the real game.

@@ -19,9 +19,9 @@ TEST(OpponentModels, FollowTheSettingsByPlace) {
   settings.opponents = {OpponentModel::kIdle, OpponentModel::kHarmless, OpponentModel::kRandom};
   const OpponentModels models = ModelsAtStart(settings, /*self=*/2);
   EXPECT_EQ(models.self(), 2);
-  EXPECT_EQ(models.Of(3).model, OpponentModel::kIdle);
-  EXPECT_EQ(models.Of(0).model, OpponentModel::kHarmless);
-  EXPECT_EQ(models.Of(1).model, OpponentModel::kRandom);
+  EXPECT_EQ(models.Of(3).policy, PolicyKind::kIdle);
+  EXPECT_EQ(models.Of(0).policy, PolicyKind::kHarmless);
+  EXPECT_EQ(models.Of(1).policy, PolicyKind::kRandom);
 }
 
 TEST(OpponentModels, SynchronizedMemoryHoldsObservedPositions) {

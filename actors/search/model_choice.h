@@ -1,0 +1,39 @@
+#pragma once
+
+// Finds out which rule-based policy an agent plays from what it does.
+
+#include <array>
+
+#include "common/base/rng.h"
+#include "common/policies/policy.h"
+#include "common/pommerman/state.h"
+
+namespace powderkeg {
+
+// Lets every candidate foretell every observed decision and keeps the score. A value; one thread.
+class ModelChoice {
+ public:
+  enum class Memory { kReset, kSynchronized };
+
+  struct Candidate {
+    PolicyKind policy = PolicyKind::kIdle;
+    PolicyMemory memory;
+    // Share of decisions foretold, recent ones weighing more, in units of 2^-16.
+    int score = 0;
+  };
+
+  // Begins a game. The first candidate, SimpleUnbiased, is assumed until another one did better.
+  void Start(Memory memory, Rng rng);
+
+  // Takes in that view.self, having seen `view`, did what leads to `after`.
+  void Observe(const PolicyView& view, const PolicyTraits& traits, const State& after);
+
+  [[nodiscard]] const Candidate& best() const;
+
+ private:
+  Memory memory_ = Memory::kSynchronized;
+  Rng rng_;
+  std::array<Candidate, 3> candidates_;
+};
+
+}  // namespace powderkeg
