@@ -73,4 +73,11 @@ struct PolicyMemory {
 // once per real step of a living agent instead of Decide.
 void ObserveMove(PolicyKind kind, Cell before, Cell after, PolicyMemory& memory);
 
+// As ObserveMove, closer to the truth: where the positions before and after are known, asks the
+// policy what it would have remembered after an action that explains what was seen. `view` is what
+// the agent decided on, `traits` a guess. Costs a few decisions. Falls back on ObserveMove where no
+// action explains it.
+void ObserveStep(PolicyKind kind, const PolicyView& view, const State& after,
+                 const PolicyTraits& traits, PolicyMemory& memory, Rng& rng);
+
 }  // namespace powderkeg

@@ -149,5 +149,61 @@ TEST(PolicyTest, ObservationFollowsTheMemoryOfAnUnblockedAgent) {
   }
 }
 
+// Shares of decisions before which the memory that was observed equals the true one.
+struct ObservedShares {
+  double by_move = 0;
+  double by_step = 0;
+};
+
+ObservedShares ObserveGames(PolicyKind kind, int games) {
+  const GameSettings settings;
+  int decisions = 0, by_move = 0, by_step = 0;
+  for (int game = 0; game < games; ++game) {
+    Rng rng(static_cast<std::uint64_t>(game));
+    State state = GenerateStart(settings, {}, rng.Split(0));
+    std::array<PolicyTraits, kAgentCount> traits;
+    for (PolicyTraits& drawn : traits) drawn = PolicyTraits::Draw(rng);
+    std::array<PolicyMemory, kAgentCount> memories, moves, steps;
+    while (!OutcomeOf(settings, state).done) {
+      const State before = state;
+      JointAction actions{};
+      for (AgentId id = 0; id < kAgentCount; ++id) {
+        if (!state.agents[id].alive) continue;
+        ++decisions;
+        by_move += moves[id] == memories[id];
+        by_step += steps[id] == memories[id];
+        actions[id] = Decide(kind, {before, settings, id}, traits[id], memories[id], rng);
+      }
+      Step(settings, actions, state);
+      for (AgentId id = 0; id < kAgentCount; ++id) {
+        if (!before.agents[id].alive) continue;
+        ObserveMove(kind, before.agents[id].cell, state.agents[id].cell, moves[id]);
+        ObserveStep(kind, {before, settings, id}, state, PolicyTraits(), steps[id], rng);
+      }
+    }
+  }
+  return {static_cast<double>(by_move) / decisions, static_cast<double>(by_step) / decisions};
+}
+
+TEST(PolicyTest, ObservingWithThePositionsFindsMostMemories) {
+  const ObservedShares unbiased = ObserveGames(PolicyKind::kSimpleUnbiased, 20);
+  EXPECT_GT(unbiased.by_step, unbiased.by_move + 0.05);
+  EXPECT_GT(unbiased.by_step, 0.9);
+  const ObservedShares official = ObserveGames(PolicyKind::kOfficialSimple, 20);
+  EXPECT_GT(official.by_step, official.by_move + 0.5);
+  EXPECT_GT(official.by_step, 0.7);
+}
+
+TEST(PolicyTest, WhatNoDecisionExplainsIsRememberedAsAMove) {
+  State before = GenerateStart({}, {}, Rng(1));
+  State after = before;
+  after.agents[0].cell = static_cast<std::uint8_t>(before.agents[3].cell);
+  PolicyMemory memory;
+  Rng rng(1);
+  ObserveStep(PolicyKind::kSimpleUnbiased, {before, GameSettings(), 0}, after, {}, memory, rng);
+  EXPECT_EQ(memory.recent_count, 1);
+  EXPECT_EQ(memory.recent[0], RememberedPosition(1, 9));
+}
+
 }  // namespace
 }  // namespace powderkeg
