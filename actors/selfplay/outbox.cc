@@ -149,6 +149,7 @@ void Outbox::Remove(std::uint64_t ticket) {
   record_bytes_ -= game->second.record.size();
   games_.erase(game);
   numbers_.erase(number);
+  removed_.notify_all();
   if (games_.empty()) {
     file_bytes_ = kMagic.size();
     if (ftruncate(file_, static_cast<off_t>(file_bytes_)) != 0) Fail("empty", path_);
@@ -189,6 +190,11 @@ std::vector<std::uint64_t> Outbox::Tickets() const {
   std::vector<std::uint64_t> tickets;
   for (const auto& [ticket, number] : numbers_) tickets.push_back(ticket);
   return tickets;
+}
+
+void Outbox::WaitForRoom(std::chrono::milliseconds timeout) const {
+  std::unique_lock lock(mutex_);
+  removed_.wait_for(lock, timeout, [&] { return record_bytes_ < limit_bytes_; });
 }
 
 std::size_t Outbox::size() const {

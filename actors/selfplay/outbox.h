@@ -2,6 +2,8 @@
 
 // Finished games that the learner has not acknowledged, kept on disk: they survive the actor.
 
+#include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -49,16 +51,17 @@ class Outbox {
   [[nodiscard]] std::size_t bytes() const;
   // Whether no new games should be started until some were acknowledged.
   [[nodiscard]] bool full() const { return bytes() >= limit_bytes_; }
+  // Returns when it is not full or time is up.
+  void WaitForRoom(std::chrono::milliseconds timeout) const;
 
  private:
-  void Open();
   void Load();
-  void Append(int file, const SealedGame& game);
   void Rewrite();
 
   const std::filesystem::path path_;
   const std::size_t limit_bytes_;
   mutable std::mutex mutex_;  // guards what follows
+  mutable std::condition_variable removed_;
   int file_ = -1;
   std::size_t file_bytes_ = 0;
   std::map<std::uint64_t, SealedGame> games_;       // by number of Add, from 1

@@ -53,15 +53,7 @@ void TicketBook::Settle(std::uint64_t ticket) {
 
 void TicketBook::WaitForTicket(std::chrono::milliseconds timeout) const {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, timeout, [&] { return waiting_ > 0 || interrupted_; });
-}
-
-void TicketBook::Interrupt() {
-  {
-    const std::lock_guard lock(mutex_);
-    interrupted_ = true;
-  }
-  changed_.notify_all();
+  changed_.wait_for(lock, timeout, [&] { return waiting_ > 0; });
 }
 
 std::vector<std::uint64_t> TicketBook::Held() const {

@@ -31,9 +31,8 @@ class TicketBook {
   // The game is acknowledged or rejected.
   void Settle(std::uint64_t ticket);
 
-  // Returns when a ticket waits, time is up, or Interrupt was called (at any time).
+  // Returns when a ticket waits or time is up.
   void WaitForTicket(std::chrono::milliseconds timeout) const;
-  void Interrupt();
 
   // All of them, ascending.
   [[nodiscard]] std::vector<std::uint64_t> Held() const;
@@ -44,7 +43,6 @@ class TicketBook {
   mutable std::condition_variable changed_;
   std::map<std::uint64_t, bool> waiting_by_ticket_;
   std::size_t waiting_ = 0;
-  bool interrupted_ = false;
 };
 
 }  // namespace powderkeg

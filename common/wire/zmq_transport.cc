@@ -233,7 +233,7 @@ bool IsLocal(const std::string& endpoint) {
 std::unique_ptr<ServerChannel> ListenZmq(const ListenSettings& settings) {
   if (!settings.keys && !settings.allow_insecure && !IsLocal(settings.endpoint)) {
     throw Error(StrCat("not listening on ", settings.endpoint,
-                       " without keys: make them with powderkeg_keys and give --keys, or say "
+                       " without keys: make them with deploy/keys and give --keys, or say "
                        "--insecure"));
   }
   return std::make_unique<ZmqServer>(settings);

@@ -1,0 +1,138 @@
+#include "actors/selfplay/self_play.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "actors/selfplay/ticket_host.h"
+#include "common/base/check.h"
+#include "common/base/log.h"
+#include "common/base/worker.h"
+#include "common/pommerman/game_settings.h"
+#include "common/record/game_setup.h"
+
+namespace powderkeg {
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+constexpr milliseconds kPoll{100};    // for a stop; everything else is notified
+constexpr milliseconds kReport{200};  // between two reports of a loop's progress
+
+bool IsUniform(const SelfPlayConfig& config) { return config.evaluator == "uniform"; }
+
+// Largest differences from the learner's fp32 answers that rounding explains.
+CanaryDifference ToleranceOf(std::string_view evaluator) {
+  return evaluator.ends_with("fp32") ? CanaryDifference{.policy = 1e-3F, .value = 1e-3F}
+                                     : CanaryDifference{.policy = 0.1F, .value = 0.1F};
+}
+
+// Whether this machine computes what the learner means.
+void CheckCanary(const WeightsSnapshot& weights, Evaluator& evaluator) {
+  const CanaryDifference difference = CompareCanary(weights, evaluator);
+  const CanaryDifference tolerance = ToleranceOf(evaluator.name());
+  if (difference.policy <= tolerance.policy && difference.value <= tolerance.value) return;
+  throw Error(StrCat("evaluator ", evaluator.name(), " answers the canary of weights ",
+                     weights.version, " wrongly: policy differs by ", difference.policy,
+                     ", value by ", difference.value, "; expected at most ", tolerance.policy,
+                     " and ", tolerance.value));
+}
+
+Model ModelFor(const SelfPlayConfig& config, const Snapshot& weights,
+               const EvaluatorFactory& make_evaluator) {
+  if (IsUniform(config)) return {.evaluator = std::make_shared<UniformEvaluator>()};
+  Model model{.evaluator = make_evaluator(config, weights), .weights_version = weights->version};
+  CheckCanary(*weights, *model.evaluator);
+  return model;
+}
+
+}  // namespace
+
+SelfPlay::SelfPlay(SelfPlaySettings settings, Connect connect, EvaluatorFactory make_evaluator)
+    : settings_(std::move(settings)),
+      make_evaluator_(std::move(make_evaluator)),
+      outbox_(settings_.spool, settings_.outbox_limit_bytes),
+      progress_(settings_.session.loops),
+      client_(settings_.session, std::move(connect), outbox_, tickets_,
+              [this] { return Statistics(); }) {
+  if (outbox_.size() > 0) log::Info("found games in the spool", "games", outbox_.size());
+}
+
+void SelfPlay::Run(const std::stop_token& stop) {
+  while (!stop.stop_requested() && !client_.ended()) {
+    if (const auto welcome = WaitUntilReady(stop)) Play(stop, welcome);
+  }
+  client_.Leave(settings_.patience);
+}
+
+// The settings, once everything that they need has arrived; null when there is nothing to wait for.
+std::shared_ptr<const Welcome> SelfPlay::WaitUntilReady(const std::stop_token& stop) const {
+  while (!stop.stop_requested() && !client_.ended()) {
+    const std::uint64_t version = client_.version();
+    const auto welcome = client_.welcome();
+    if (welcome && (IsUniform(welcome->self_play) || client_.weights())) return welcome;
+    client_.WaitForChange(version, kPoll);
+  }
+  return nullptr;
+}
+
+// Until the settings change, somebody fails or the end.
+void SelfPlay::Play(const std::stop_token& stop, const std::shared_ptr<const Welcome>& welcome) {
+  std::vector<std::unique_ptr<Worker>> loops;
+  for (std::size_t i = 0; i < settings_.session.loops; ++i) {
+    loops.push_back(std::make_unique<Worker>(
+        "games", [this, &welcome, i](const auto& loop_stop) { RunLoop(loop_stop, *welcome, i); }));
+  }
+  const auto failed = [&] {
+    return std::ranges::any_of(loops, [](const auto& loop) { return loop->finished(); });
+  };
+  while (!stop.stop_requested() && !client_.ended() && !failed() && client_.welcome() == welcome) {
+    client_.WaitForChange(client_.version(), kPoll);
+  }
+  for (const auto& loop : loops) loop->RequestStop();
+  for (const auto& loop : loops) loop->Join();
+  progress_.StartAnew();
+}
+
+void SelfPlay::RunLoop(const std::stop_token& stop, const Welcome& welcome, std::size_t loop) {
+  const SelfPlayConfig& config = welcome.self_play;
+  const GameSettings game_settings = SetupFor(config, /*ticket=*/0).settings;
+  TicketHost host(welcome, tickets_, outbox_, [this] { client_.GameAdded(); });
+  GameLoop games(host, game_settings, config.games_in_flight);
+  Snapshot weights;
+  Clock::time_point reported;
+  while (!stop.stop_requested()) {
+    const Snapshot newest = client_.weights();
+    if (newest != weights || !host.model().evaluator) {
+      weights = newest;
+      host.SetModel(ModelFor(config, weights, make_evaluator_));
+      if (config.weights_swap == "at_once") games.SetModel(host.model());
+    }
+    const bool playing = games.RunRound();
+    if (const auto now = Clock::now(); now - reported >= kReport || !playing) {
+      reported = now;
+      LoopProgress progress{.metrics = games.metrics(),
+                            .games_running = games.games_running(),
+                            .oldest_ticket = 0,
+                            .oldest_start = now,
+                            .weights_version = host.model().weights_version};
+      host.FillOldest(progress);
+      progress_.Set(loop, progress);
+    }
+    if (playing) continue;
+    outbox_.WaitForRoom(kPoll);
+    tickets_.WaitForTicket(kPoll);
+  }
+}
+
+Heartbeat SelfPlay::Statistics() const {
+  Heartbeat heartbeat = progress_.Sum(Clock::now());
+  heartbeat.tickets_waiting = static_cast<std::uint32_t>(tickets_.waiting());
+  heartbeat.outbox_games = static_cast<std::uint32_t>(outbox_.size());
+  heartbeat.outbox_bytes = outbox_.bytes();
+  return heartbeat;
+}
+
+}  // namespace powderkeg

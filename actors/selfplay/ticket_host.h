@@ -1,0 +1,60 @@
+#pragma once
+
+// Gives a game loop the games of tickets and takes the finished ones.
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "actors/play/game_loop.h"
+#include "actors/selfplay/outbox.h"
+#include "actors/selfplay/progress.h"
+#include "actors/selfplay/ticket_book.h"
+#include "common/wire/messages.h"
+
+namespace powderkeg {
+
+// One loop's host. One thread.
+class TicketHost final : public GameHost {
+ public:
+  // Everything must outlive it. `game_added` is called after a game was put into the outbox.
+  TicketHost(const Welcome& welcome, TicketBook& tickets, Outbox& outbox,
+             std::function<void()> game_added);
+  // Tickets in play wait again.
+  ~TicketHost() override;
+  TicketHost(const TicketHost&) = delete;
+  TicketHost& operator=(const TicketHost&) = delete;
+
+  // Answers games that start from now on. Required before the first game.
+  void SetModel(const Model& model) { model_ = model; }
+  [[nodiscard]] const Model& model() const { return model_; }
+
+  // No game while no ticket waits or the outbox is full.
+  [[nodiscard]] std::optional<GamePlan> NextGame(int slot) override;
+  void GameFinished(int slot, Game& game) override;
+
+  // The lowest ticket in play and the start of its game into `progress`.
+  void FillOldest(LoopProgress& progress) const;
+
+ private:
+  struct Slot {
+    std::unique_ptr<Agent> agent;
+    std::optional<std::uint64_t> ticket;  // in play
+    std::chrono::steady_clock::time_point start;
+  };
+
+  [[nodiscard]] GamePlan PlanFor(std::uint64_t ticket, Slot& slot) const;
+
+  const SelfPlayConfig& config_;
+  const Sha256Digest& settings_digest_;
+  TicketBook& tickets_;
+  Outbox& outbox_;
+  const std::function<void()> game_added_;
+  std::vector<Slot> slots_;
+  Model model_;
+};
+
+}  // namespace powderkeg

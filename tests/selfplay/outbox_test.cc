@@ -1,0 +1,179 @@
+#include "actors/selfplay/outbox.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "actors/selfplay/ticket_book.h"
+#include "common/base/check.h"
+#include "tests/selfplay/session_support.h"
+
+namespace powderkeg {
+namespace {
+
+constexpr std::size_t kLimit = 10'000;
+
+SealedGame FakeGame(std::uint64_t ticket, std::size_t size = 100) {
+  SealedGame game;
+  game.ticket = ticket;
+  game.record = std::string(size, static_cast<char>('a' + ticket % 26));
+  game.checksum = static_cast<std::uint32_t>(ticket * 77);
+  game.settings_digest[31] = static_cast<std::uint8_t>(ticket);
+  return game;
+}
+
+class OutboxTest : public testing::Test {
+ protected:
+  [[nodiscard]] std::filesystem::path File() const { return spool_.path() / "outbox.spool"; }
+  [[nodiscard]] std::string Bytes() const {
+    std::ifstream input(File(), std::ios::binary);
+    return {std::istreambuf_iterator<char>(input), {}};
+  }
+  void SetBytes(const std::string& bytes) const {
+    std::ofstream(File(), std::ios::binary | std::ios::trunc) << bytes;
+  }
+  TemporarySpool spool_;
+};
+
+TEST_F(OutboxTest, KeepsGamesOverARestart) {
+  {
+    Outbox outbox(spool_.path(), kLimit);
+    for (const std::uint64_t ticket : {5, 3, 9}) outbox.Add(FakeGame(ticket));
+    outbox.Remove(3);
+  }
+  Outbox outbox(spool_.path(), kLimit);
+  // Removals are not written: game 3 is back, and would be acknowledged again.
+  EXPECT_EQ(outbox.Tickets(), (std::vector<std::uint64_t>{3, 5, 9}));
+  std::uint64_t cursor = 0;
+  EXPECT_EQ(outbox.Batch(cursor, kLimit),
+            (std::vector<SealedGame>{FakeGame(5), FakeGame(3), FakeGame(9)}));
+}
+
+TEST_F(OutboxTest, BatchesGoOnWhereTheyWere) {
+  Outbox outbox(spool_.path(), kLimit);
+  for (std::uint64_t ticket = 0; ticket < 5; ++ticket) outbox.Add(FakeGame(ticket));
+  std::uint64_t cursor = 0;
+  EXPECT_EQ(outbox.Batch(cursor, 250).size(), 2u);
+  outbox.Remove(2);
+  EXPECT_EQ(outbox.Batch(cursor, 1), (std::vector<SealedGame>{FakeGame(3)}));
+  EXPECT_EQ(outbox.Batch(cursor, 1), (std::vector<SealedGame>{FakeGame(4)}));
+  EXPECT_TRUE(outbox.Batch(cursor, 1).empty());
+}
+
+TEST_F(OutboxTest, IsEmptiedWhenEverythingIsAcknowledged) {
+  Outbox outbox(spool_.path(), kLimit);
+  for (std::uint64_t ticket = 0; ticket < 5; ++ticket) outbox.Add(FakeGame(ticket));
+  for (std::uint64_t ticket = 0; ticket < 5; ++ticket) outbox.Remove(ticket);
+  EXPECT_EQ(Bytes(), "PKSPOOL1");
+  EXPECT_EQ(outbox.bytes(), 0u);
+}
+
+TEST_F(OutboxTest, IsRewrittenWhenMostIsAcknowledged) {
+  constexpr std::size_t kLarge = 300'000;
+  {
+    Outbox outbox(spool_.path(), kLimit);
+    for (std::uint64_t ticket = 0; ticket < 6; ++ticket) outbox.Add(FakeGame(ticket, kLarge));
+    for (std::uint64_t ticket = 0; ticket < 5; ++ticket) outbox.Remove(ticket);
+    EXPECT_LT(std::filesystem::file_size(File()), 2 * kLarge);
+    outbox.Add(FakeGame(7));
+  }
+  EXPECT_EQ(Outbox(spool_.path(), kLimit).Tickets(), (std::vector<std::uint64_t>{5, 7}));
+}
+
+TEST_F(OutboxTest, IsFullByBytes) {
+  Outbox outbox(spool_.path(), 150);
+  outbox.Add(FakeGame(1));
+  EXPECT_FALSE(outbox.full());
+  outbox.Add(FakeGame(2));
+  EXPECT_TRUE(outbox.full());
+  outbox.Remove(1);
+  EXPECT_FALSE(outbox.full());
+}
+
+TEST_F(OutboxTest, TheSameTicketIsKeptOnce) {
+  Outbox outbox(spool_.path(), kLimit);
+  outbox.Add(FakeGame(1));
+  outbox.Add(FakeGame(1));
+  EXPECT_EQ(outbox.size(), 1u);
+}
+
+TEST_F(OutboxTest, DropsACutOffEndAtEveryLength) {
+  {
+    Outbox outbox(spool_.path(), kLimit);
+    outbox.Add(FakeGame(1, 20));
+    outbox.Add(FakeGame(2, 20));
+  }
+  const std::string whole = Bytes();
+  const std::size_t entry = (whole.size() - 8) / 2;
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    SetBytes(whole.substr(0, size));
+    Outbox outbox(spool_.path(), kLimit);
+    EXPECT_EQ(outbox.size(), size < 8 + entry ? 0u : 1u) << size;
+    outbox.Add(FakeGame(3, 20));  // goes on behind what is whole
+    EXPECT_EQ(std::filesystem::file_size(File()), 8 + (outbox.size()) * entry);
+  }
+}
+
+TEST_F(OutboxTest, DropsADamagedEnd) {
+  {
+    Outbox outbox(spool_.path(), kLimit);
+    outbox.Add(FakeGame(1));
+    outbox.Add(FakeGame(2));
+  }
+  std::string bytes = Bytes();
+  bytes[bytes.size() - 5] ^= 1;
+  SetBytes(bytes);
+  EXPECT_EQ(Outbox(spool_.path(), kLimit).Tickets(), (std::vector<std::uint64_t>{1}));
+}
+
+TEST_F(OutboxTest, RefusesAnotherFileAndASecondOwner) {
+  {
+    const Outbox outbox(spool_.path(), kLimit);
+    EXPECT_THROW(Outbox(spool_.path(), kLimit), Error);
+  }
+  SetBytes("something else that is long enough");
+  EXPECT_THROW(Outbox(spool_.path(), kLimit), Error);
+}
+
+TEST_F(OutboxTest, SurvivesAKill) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    Outbox outbox(spool_.path(), kLimit);
+    for (std::uint64_t ticket = 0; ticket < 3; ++ticket) outbox.Add(FakeGame(ticket));
+    kill(getpid(), SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(Outbox(spool_.path(), kLimit).size(), 3u);
+}
+
+TEST(TicketBookTest, GivesTheLowestAndForgetsTheSettled) {
+  TicketBook book;
+  book.Grant(std::vector<std::uint64_t>{7, 2, 5});
+  book.GrantPlayed(std::vector<std::uint64_t>{1});
+  EXPECT_EQ(book.Take(), 2u);
+  book.Settle(5);
+  EXPECT_EQ(book.Take(), 7u);
+  EXPECT_EQ(book.Take(), std::nullopt);
+  book.PutBack(2);
+  book.PutBack(5);  // settled: stays away
+  EXPECT_EQ(book.waiting(), 1u);
+  EXPECT_EQ(book.Take(), 2u);
+  EXPECT_EQ(book.Held(), (std::vector<std::uint64_t>{1, 2, 7}));
+}
+
+TEST(TicketBookTest, GrantingAgainChangesNothing) {
+  TicketBook book;
+  book.Grant(std::vector<std::uint64_t>{1});
+  EXPECT_EQ(book.Take(), 1u);
+  book.Grant(std::vector<std::uint64_t>{1});
+  EXPECT_EQ(book.waiting(), 0u);
+}
+
+}  // namespace
+}  // namespace powderkeg

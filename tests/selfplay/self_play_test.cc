@@ -1,0 +1,155 @@
+// Actors that search, and a learner.
+
+#include "actors/selfplay/self_play.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/base/check.h"
+#include "common/base/worker.h"
+#include "common/wire/in_process_transport.h"
+#include "tests/selfplay/session_support.h"
+
+namespace powderkeg {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+SessionServerSettings SearchingSettings() {
+  SessionServerSettings settings = QuickSettings();
+  settings.self_play.search = {{"simulations", "2"}};
+  return settings;
+}
+
+// A SelfPlay on its own thread.
+class RunningActor {
+ public:
+  RunningActor(InProcessNetwork& network, EvaluatorFactory factory = {}) {
+    SelfPlaySettings settings;
+    settings.session.name = "actor";
+    settings.session.incarnation = 1;
+    settings.session.loops = 2;
+    settings.session.first_backoff = milliseconds(5);
+    settings.spool = spool_.path();
+    self_play_ = std::make_unique<SelfPlay>(
+        settings, [&network] { return network.Connect(); }, std::move(factory));
+    worker = std::make_unique<Worker>(
+        "actor", [this](const std::stop_token& stop) { self_play_->Run(stop); });
+  }
+
+ private:
+  TemporarySpool spool_;
+  std::unique_ptr<SelfPlay> self_play_;
+
+ public:
+  std::unique_ptr<Worker> worker;
+};
+
+// Answers as the uniform evaluator under another name, or wrongly.
+class FakeNetwork final : public Evaluator {
+ public:
+  explicit FakeNetwork(float value) : value_(value) {}
+  void Evaluate(const GameSettings&, std::span<const Position> positions,
+                std::span<Evaluation> evaluations) override {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      evaluations[i].policy.fill(1.0F / kActionCount);
+      evaluations[i].value = value_;
+    }
+  }
+  [[nodiscard]] std::string name() const override { return "fake fp32"; }
+
+ private:
+  float value_;
+};
+
+Snapshot WeightsWithCanary(std::uint32_t version) {
+  auto snapshot = std::make_shared<WeightsSnapshot>(*SomeWeights(version));
+  const GameSetup setup = SetupFor(QuickConfig(), 0);
+  const State state = GenerateStart(setup.settings, setup.start, BoardRng(setup));
+  FakeNetwork network(0.25F);
+  snapshot->canary = MakeCanary({state}, {0}, network);
+  return snapshot;
+}
+
+TEST(SelfPlayTest, PlaysVerifiedGamesInTicketOrder) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen(), SearchingSettings());
+  RunningActor actor(network);
+  ASSERT_TRUE(Eventually([&] { return learner.Tickets().size() >= 12; }));
+  actor.worker->RequestStop();
+  actor.worker->Join();
+  EXPECT_EQ(learner.server->statistics().rejected, 0u);
+  EXPECT_EQ(learner.games().front().evaluator, "uniform");
+  EXPECT_GT(learner.games().front().decisions.size(), 0u);
+  EXPECT_TRUE(Eventually([&] { return learner.server->statistics().actors.empty(); }));
+  // Nobody has a hole: tickets of games given up are granted to the next actor first.
+  RunningActor next(network);
+  EXPECT_TRUE(Eventually([&] { return learner.server->statistics().first_open_ticket >= 12; }));
+}
+
+TEST(SelfPlayTest, GamesUseTheNewestWeights) {
+  InProcessNetwork network;
+  SessionServerSettings settings = SearchingSettings();
+  settings.self_play.evaluator = "auto";
+  TestLearner learner(network.Listen(), settings);
+  RunningActor actor(network, [](const SelfPlayConfig&, const Snapshot&) {
+    return std::make_unique<FakeNetwork>(0.25F);
+  });
+  learner.server->Publish(WeightsWithCanary(1));
+  ASSERT_TRUE(Eventually([&] { return !learner.games().empty(); }));
+  EXPECT_EQ(learner.games().front().weights_version, 1u);
+  EXPECT_EQ(learner.games().front().evaluator, "fake fp32");
+  learner.server->Publish(WeightsWithCanary(2));
+  ASSERT_TRUE(Eventually([&] { return learner.games().back().weights_version == 2; }));
+  for (const GameRecord& game : learner.games()) {
+    for (const Decision& decision : game.decisions) {
+      ASSERT_EQ(decision.weights_version, game.weights_version);
+    }
+  }
+}
+
+TEST(SelfPlayTest, AnEvaluatorThatFailsTheCanaryEndsTheActor) {
+  InProcessNetwork network;
+  SessionServerSettings settings = SearchingSettings();
+  settings.self_play.evaluator = "auto";
+  TestLearner learner(network.Listen(), settings);
+  RunningActor actor(network, [](const SelfPlayConfig&, const Snapshot&) {
+    return std::make_unique<FakeNetwork>(0.75F);
+  });
+  learner.server->Publish(WeightsWithCanary(1));
+  try {
+    actor.worker->Join();
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("value by 0.5"));
+  }
+  EXPECT_TRUE(learner.games().empty());
+}
+
+TEST(SelfPlayTest, NewSettingsOfTheLearnerAreUsed) {
+  InProcessNetwork network;
+  auto first = std::make_unique<TestLearner>(network.Listen(), SearchingSettings());
+  RunningActor actor(network);
+  ASSERT_TRUE(Eventually([&] { return !first->games().empty(); }));
+  first.reset();
+  SessionServerSettings settings = SearchingSettings();
+  settings.self_play.seed = 77;
+  TestLearner second(network.Listen(), settings);
+  ASSERT_TRUE(Eventually([&] { return !second.games().empty(); }));
+  for (const GameRecord& game : second.games()) {
+    EXPECT_EQ(game.setup, SetupFor(settings.self_play, game.ticket));
+  }
+}
+
+TEST(SelfPlayTest, ABadSearchOptionEndsTheActor) {
+  InProcessNetwork network;
+  SessionServerSettings settings = SearchingSettings();
+  settings.self_play.search = {{"simulations", "-5"}};
+  TestLearner learner(network.Listen(), settings);
+  RunningActor actor(network);
+  EXPECT_THROW(actor.worker->Join(), Error);
+}
+
+}  // namespace
+}  // namespace powderkeg
