@@ -14,8 +14,8 @@ namespace {
 class OnednnEvaluatorTest : public testing::TestWithParam<NetworkDescription> {
  protected:
   Snapshot snapshot_ = RandomWeights(GetParam(), /*seed=*/1);
-  // Two slices and remainders.
-  std::vector<State> states_ = PlayedStates(21, /*seed=*/2);
+  // A whole slice and a remainder.
+  std::vector<State> states_ = PlayedStates(11, /*seed=*/2);
   std::vector<Position> positions_ = PositionsOf(states_);
 };
 

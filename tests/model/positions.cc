@@ -95,8 +95,10 @@ Snapshot RandomWeights(const NetworkDescription& description, std::uint64_t seed
 std::vector<Position> PositionsOf(const std::vector<State>& states) {
   std::vector<Position> positions;
   for (const State& state : states) {
-    positions.push_back(
-        {.state = &state, .viewer = static_cast<AgentId>(positions.size()) % kAgentCount});
+    const bool fog = positions.size() % 5 == 4;
+    positions.push_back({.state = &state,
+                         .viewer = static_cast<AgentId>(positions.size()) % kAgentCount,
+                         .visible = fog ? BitBoard::Row(2) | BitBoard::Row(3) : BitBoard::All()});
   }
   return positions;
 }

@@ -21,7 +21,8 @@ namespace powderkeg {
 // enough for decided policies.
 [[nodiscard]] Snapshot RandomWeights(const NetworkDescription& description, std::uint64_t seed);
 
-// Every state seen by each of its agents in turn. The states must outlive the result.
+// Each state as seen by one of its agents, dead ones and fog among them. The states must outlive
+// the result.
 [[nodiscard]] std::vector<Position> PositionsOf(const std::vector<State>& states);
 
 // The evaluator's answers under default settings.
