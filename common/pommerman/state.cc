@@ -17,10 +17,11 @@ void State::AddBomb(const Bomb& bomb) {
 }
 
 void State::RemoveBombs(BitBoard cells) {
-  const auto removed =
-      std::ranges::remove_if(Bombs(), [cells](const Bomb& bomb) { return cells.Has(bomb.cell); });
-  std::ranges::fill(removed, Bomb{});
-  bomb_count = static_cast<std::uint8_t>(bomb_count - removed.size());
+  const auto all = Bombs();
+  const auto end = std::remove_if(all.begin(), all.end(),
+                                  [cells](const Bomb& bomb) { return cells.Has(bomb.cell); });
+  std::fill(end, all.end(), Bomb{});
+  bomb_count = static_cast<std::uint8_t>(end - all.begin());
   bomb_cells &= ~cells;
 }
 

@@ -12,6 +12,9 @@ function(powderkeg_flags target)
   target_include_directories(${target} PUBLIC ${CMAKE_SOURCE_DIR})
   target_compile_options(${target} PRIVATE
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror
+    $<$<CXX_COMPILER_ID:Clang>:-Wno-sign-conversion>  # part of its -Wconversion, not of g++'s
+    # g++ 12 warns of overlapping copies inside std::string (GCC bug 105651).
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
     -ffp-contract=off -fno-math-errno)
   if(POWDERKEG_NATIVE)
     target_compile_options(${target} PRIVATE -march=native)
