@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kFullScore = 1 << 16;
 constexpr int kMemorySpan = 32;        // decisions that the score remembers
-constexpr int kInitialLead = 1 << 14;  // of the model assumed at first
+constexpr int kInitialLead = 1 << 13;  // of the model assumed at first
 
 }  // namespace
 

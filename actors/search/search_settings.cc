@@ -224,6 +224,7 @@ SearchSettings PresetFor(std::string_view name) {
 
 SearchSettings PaperSettings() {
   SearchSettings settings;
+  settings.opponents.fill(OpponentModel::kSimpleUnbiased);
   settings.memory = ModelMemory::kReset;
   settings.exploratory_start = 0.05;
   settings.step_limit = false;

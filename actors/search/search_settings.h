@@ -52,9 +52,8 @@ struct SearchSettings {
   // one-player.
   int simulated_opponent_reach = 20;
   // Models of the agents self + 1, self + 2, self + 3 (mod 4).
-  std::array<OpponentModel, 3> opponents = {OpponentModel::kSimpleUnbiased,
-                                            OpponentModel::kSimpleUnbiased,
-                                            OpponentModel::kSimpleUnbiased};
+  std::array<OpponentModel, 3> opponents = {OpponentModel::kObserved, OpponentModel::kObserved,
+                                            OpponentModel::kObserved};
   ModelMemory memory = ModelMemory::kInferred;
 
   // Selection: Q + c(N) P sqrt(N) / (1 + n), c(N) = c_puct_init + ln((N + base + 1) / base).
@@ -85,8 +84,8 @@ struct SearchSettings {
   friend bool operator==(const SearchSettings&, const SearchSettings&) = default;
 };
 
-// As published (paper.md): models reset at each move, step limit unknown, no reuse, exploratory
-// starts.
+// As published (paper.md): SimpleUnbiased models, reset at each move, step limit unknown, no reuse,
+// exploratory starts.
 [[nodiscard]] SearchSettings PaperSettings();
 
 // Sets one option from text. Throws Error for an unknown name (lists the known ones) and for a bad

@@ -41,6 +41,7 @@ void PlayGames(const SearchSettings& settings, Visit&& visit) {
 double SimulationsPerSecond(int simulations) {
   SearchSettings settings;
   settings.simulations = simulations;
+  settings.opponents.fill(OpponentModel::kSimpleUnbiased);
   settings.tree_reuse = false;
   Search search(settings, {});
   UniformEvaluator evaluator;
