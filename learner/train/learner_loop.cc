@@ -43,6 +43,12 @@ TrainerState InitialState(const LearnerLoopSettings& settings) {
   return state;
 }
 
+void ExpectNetwork(const TrainerState& state, const std::string& name) {
+  if (state.weights.description == NetworkByName(name)) return;
+  throw Error(StrCat("training.network is ", name,
+                     ", but the weights to go on from are of another network"));
+}
+
 IterationReport MakeReport(int iteration, const PlaySummary& play, const TrainingResult& training) {
   const double games = std::max(1.0, static_cast<double>(play.games));
   IterationReport report;
@@ -109,6 +115,7 @@ LearnerLoop::LearnerLoop(LearnerLoopSettings settings, LearnerLoopHooks hooks)
   } else {
     state = InitialState(settings_);
   }
+  ExpectNetwork(state, settings_.training.network);
   version_ = state.weights.version;
   trainer_ = std::make_unique<Trainer>(
       TrainerSettings{settings_.training, settings_.game, settings_.precision}, state);

@@ -170,6 +170,14 @@ TEST(LearnerLoop, AGameThatTheCheckpointCountsMustBeInTheStore) {
   EXPECT_THROW(RunLoop(SettingsFor(folder.path(), 2), games), Error);
 }
 
+TEST(LearnerLoop, AnotherNetworkThanThatOfTheRunIsAnError) {
+  const TemporaryFolder folder;
+  RunLoop(SettingsFor(folder.path(), 1), PlayGames(0, kGames));
+  LearnerLoopSettings settings = SettingsFor(folder.path(), 2);
+  settings.training.network = "paper";
+  EXPECT_THROW(LearnerLoop(settings, {}), Error);
+}
+
 TEST(LearnerLoop, RestartsFromTheStore) {
   const TemporaryFolder folder;
   const std::vector<GameRecord> games = PlayGames(0, kGames);
