@@ -39,14 +39,13 @@ GameSetup SetupFor(PolicyKind policy, std::uint64_t seed) {
   return setup;
 }
 
-// Plays a whole game; `visit` sees every position before its step.
+// Plays a whole game; visit(state, actions) sees every step before it is made. Returns the steps.
 template <typename Visit>
-long PlayGame(const GameSetup& setup, Visit&& visit) {
+long PlayGame(const GameSetup& setup, Outcome& outcome, Visit&& visit) {
   State state = GenerateStart(setup.settings, setup.start, BoardRng(setup));
   std::array<RuleBasedSeat, kAgentCount> seats;
   for (AgentId id = 0; id < kAgentCount; ++id) seats[id] = RuleBasedSeat(setup, id);
-  for (Outcome outcome; !outcome.done;) {
-    visit(state);
+  for (outcome = Outcome(); !outcome.done;) {
     JointAction actions{};
     for (AgentId id = 0; id < kAgentCount; ++id) {
       if (state.agents[id].alive) actions[id] = seats[id].Decide(setup.settings, state);
@@ -57,28 +56,21 @@ long PlayGame(const GameSetup& setup, Visit&& visit) {
   return state.step;
 }
 
-struct VisitNothing {
-  void operator()(const State& /*state*/) const {}
-  void operator()(const State& /*state*/, const JointAction& /*actions*/) const {}
-};
-
 BenchFigure BenchGames(PolicyKind policy) {
   const auto play = [policy](std::uint64_t seed) {
-    return PlayGame(SetupFor(policy, seed), VisitNothing());
+    Outcome outcome;
+    return PlayGame(SetupFor(policy, seed), outcome, [](const State&, const JointAction&) {});
   };
   return {StrCat("games.", NameOf(policy)), Rate(play), "steps/s"};
 }
 
 // Positions of games of four SimpleUnbiased.
 std::vector<State> SamplePositions() {
-  struct Collect {
-    std::vector<State>& states;
-    void operator()(const State& state) const { states.push_back(state); }
-    void operator()(const State& /*state*/, const JointAction& /*actions*/) const {}
-  };
   std::vector<State> states;
+  Outcome outcome;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    PlayGame(SetupFor(PolicyKind::kSimpleUnbiased, seed), Collect{states});
+    PlayGame(SetupFor(PolicyKind::kSimpleUnbiased, seed), outcome,
+             [&](const State& state, const JointAction&) { states.push_back(state); });
   }
   return states;
 }
@@ -86,16 +78,15 @@ std::vector<State> SamplePositions() {
 BenchFigure BenchDecide(PolicyKind policy, const std::vector<State>& states) {
   const GameSettings settings;
   Rng rng(1);
-  PolicyTraits traits;
   std::array<PolicyMemory, kAgentCount> memories{};
-  const auto decide = [&](std::uint64_t seed) {
-    traits = PolicyTraits::Draw(rng);
+  const auto decide = [&](std::uint64_t) {
+    const PolicyTraits traits = PolicyTraits::Draw(rng);
     long decisions = 0;
     for (const State& state : states) {
       for (AgentId id = 0; id < kAgentCount; ++id) {
         if (!state.agents[id].alive) continue;
-        const Action action = Decide(policy, {state, settings, id}, traits, memories[id], rng);
-        decisions += static_cast<int>(action) < kActionCount ? 1 : static_cast<long>(seed);
+        (void)Decide(policy, {state, settings, id}, traits, memories[id], rng);
+        ++decisions;
       }
     }
     return decisions;
@@ -105,25 +96,14 @@ BenchFigure BenchDecide(PolicyKind policy, const std::vector<State>& states) {
 
 // A record in which seat 0 claims to have searched every move of a SimpleUnbiased.
 GameRecord RecordOf(std::uint64_t seed) {
-  struct Collect {
-    GameRecord& record;
-    void operator()(const State& state) const {
-      if (!state.agents[0].alive) return;
-      record.decisions.push_back({.step = state.step, .agent = 0, .visits = {1}});
-    }
-    void operator()(const State& /*state*/, const JointAction& actions) const {
-      record.actions.push_back(actions);
-    }
-  };
   GameRecord record;
   record.setup = SetupFor(PolicyKind::kSimpleUnbiased, seed);
-  State state;
-  PlayGame(record.setup, Collect{record});
+  PlayGame(record.setup, record.outcome, [&](const State& state, const JointAction& actions) {
+    record.actions.push_back(actions);
+    if (!state.agents[0].alive) return;
+    record.decisions.push_back({.step = state.step, .agent = 0, .visits = {1}});
+  });
   record.setup.seats[0].searches = true;
-  state = GenerateStart(record.setup.settings, record.setup.start, BoardRng(record.setup));
-  for (const JointAction& actions : record.actions) {
-    record.outcome = Advance(record.setup.settings, actions, state);
-  }
   return record;
 }
 
