@@ -54,8 +54,10 @@ int CheckGames(const std::vector<std::string>& files) {
   int code = kEqual;
   for (const std::string& file : files) {
     Tally tally;
+    int games = 0;
     RecordedGameReader reader(file);
-    for (RecordedGame game; reader.Next(game);) CheckGame(game, tally);
+    for (RecordedGame game; reader.Next(game); ++games) CheckGame(game, tally);
+    if (games == 0) throw Error(StrCat(file, ": holds no game"));
     Print(file, tally);
     if (!tally.differences.empty()) code = kDifferent;
   }

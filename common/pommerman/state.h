@@ -45,7 +45,7 @@ struct Bomb {
 };
 
 // A bomb lives nine steps on the board and an agent lays at most one a step, so 40 always suffice
-// for positions that play can reach.
+// for positions that play can reach; in others an agent lays none beyond that.
 inline constexpr int kMaxBombs = 40;
 
 // Everything the rules look at. Trivially copyable: a copy is a snapshot. Equality compares every

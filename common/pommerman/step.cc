@@ -23,12 +23,12 @@ void AgeFlames(State& state) {
   state.RemoveItems(died & state.Flames());
 }
 
-// 3.2, for those who want to lay a bomb.
+// 3.2, for those who want to lay a bomb. The list is never full in positions that play can reach.
 void LayBombs(const JointAction& actions, State& state) {
   for (AgentId id = 0; id < kAgentCount; ++id) {
     AgentState& agent = state.agents[id];
     if (actions[id] != Action::kBomb || !agent.alive || agent.ammo == 0 ||
-        state.bomb_cells.Has(agent.cell)) {
+        state.bomb_cells.Has(agent.cell) || state.bomb_count == kMaxBombs) {
       continue;
     }
     --agent.ammo;

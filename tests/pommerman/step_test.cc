@@ -4,7 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "common/pommerman/board_text.h"
+#include <string>
+
 #include "tests/pommerman/position.h"
 
 namespace powderkeg {
@@ -78,11 +79,18 @@ TEST(Agents, LayNoBombWithoutAmmoNorOnABomb) {
   EXPECT_EQ(state.agents[0].ammo, 3);
 }
 
+TEST(Agents, LayNoBombBeyondForty) {
+  const std::string row(11, 'o');
+  const State state = After(Position({"0", row, row, row, "ooooooo"}), {kBomb});
+  EXPECT_EQ(state.bomb_count, kMaxBombs);
+  EXPECT_EQ(state.agents[0].ammo, 1);
+}
+
 TEST(Agents, DeadOnesDoNothing) {
   const State state = Position({"1"}, "agent 0 dead (3,3)");
-  const State after = After(state, {kBomb, kStop});
-  EXPECT_EQ(after.bomb_count, 0);
-  EXPECT_EQ(after.agents[0], state.agents[0]);
+  const State bombed = After(state, {kBomb, kStop});
+  EXPECT_EQ(bombed.bomb_count, 0);
+  EXPECT_EQ(bombed.agents[0], state.agents[0]);
   EXPECT_EQ(After(state, {kRight}).agents[0], state.agents[0]);
 }
 
