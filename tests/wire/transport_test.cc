@@ -1,0 +1,129 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/wire/in_process_transport.h"
+#include "common/wire/messages.h"
+#include "common/wire/zmq_transport.h"
+
+namespace powderkeg {
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+class ZmqTest : public testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::remove_all(keys_); }
+  void TearDown() override { std::filesystem::remove_all(keys_); }
+
+  // Sends until the server has it; false after `patience`.
+  bool Reaches(ClientChannel& client, ServerChannel& server, const std::string& bytes,
+               milliseconds patience) {
+    const auto deadline = Clock::now() + patience;
+    bool sent = false;
+    while (Clock::now() < deadline) {
+      sent = sent || client.Send(bytes);
+      if (auto incoming = server.Receive(milliseconds(10), waker_)) {
+        last_ = *std::move(incoming);
+        return last_.bytes == bytes;
+      }
+    }
+    return false;
+  }
+
+  const std::filesystem::path keys_ =
+      std::filesystem::path(testing::TempDir()) / "pk-transport-keys";
+  const Waker waker_;
+  Incoming last_;
+};
+
+TEST_F(ZmqTest, CarriesMessagesBothWays) {
+  const auto server = ListenZmq({.endpoint = "tcp://127.0.0.1:0"});
+  const auto client = ConnectZmq(server->endpoint(), std::nullopt);
+  const std::string large(kMaxChunkBytes, 'x');
+  ASSERT_TRUE(Reaches(*client, *server, large, milliseconds(5000)));
+  EXPECT_TRUE(server->Send(last_.peer, "answer"));
+  EXPECT_EQ(client->Receive(milliseconds(5000), waker_), "answer");
+  EXPECT_FALSE(server->Send("nobody", "lost"));
+}
+
+TEST_F(ZmqTest, NothingIsSentBeforeTheConnectionStands) {
+  const auto client = ConnectZmq("tcp://127.0.0.1:1", std::nullopt);
+  EXPECT_FALSE(client->Send("hello"));
+}
+
+TEST_F(ZmqTest, OversizedMessagesDoNotArrive) {
+  const auto server = ListenZmq({.endpoint = "tcp://127.0.0.1:0"});
+  const auto client = ConnectZmq(server->endpoint(), std::nullopt);
+  const std::string oversized(static_cast<std::size_t>(kMaxMessageBytes) + 1, 'x');
+  EXPECT_FALSE(Reaches(*client, *server, oversized, milliseconds(300)));
+  const auto other = ConnectZmq(server->endpoint(), std::nullopt);
+  EXPECT_TRUE(Reaches(*other, *server, "still there", milliseconds(5000)));
+}
+
+TEST_F(ZmqTest, KeysLetInWhoIsKnown) {
+  WriteKeyPair(MakeKeyPair(), keys_ / "learner");
+  WriteKeyPair(MakeKeyPair(), keys_ / "actors" / "known");
+  const auto server = ListenZmq({.endpoint = "tcp://127.0.0.1:0", .keys = keys_});
+  const auto client = ConnectZmq(server->endpoint(), ReadClientKeys(keys_, "known"));
+  EXPECT_TRUE(Reaches(*client, *server, "hello", milliseconds(5000)));
+}
+
+TEST_F(ZmqTest, KeysKeepOutEverybodyElse) {
+  WriteKeyPair(MakeKeyPair(), keys_ / "learner");
+  const auto server = ListenZmq({.endpoint = "tcp://127.0.0.1:0", .keys = keys_});
+  const ClientKeys stranger{.learner_public = ReadKey(keys_ / "learner.public"),
+                            .own = MakeKeyPair()};
+  const ClientKeys fooled{.learner_public = MakeKeyPair().public_key, .own = MakeKeyPair()};
+  const auto clients = {ConnectZmq(server->endpoint(), stranger).release(),
+                        ConnectZmq(server->endpoint(), fooled).release(),
+                        ConnectZmq(server->endpoint(), std::nullopt).release()};
+  for (ClientChannel* channel : clients) {
+    const std::unique_ptr<ClientChannel> client(channel);
+    EXPECT_FALSE(Reaches(*client, *server, "hello", milliseconds(200)));
+  }
+}
+
+TEST_F(ZmqTest, AnActorCanBeAddedWhileTheLearnerRuns) {
+  WriteKeyPair(MakeKeyPair(), keys_ / "learner");
+  const auto server = ListenZmq({.endpoint = "tcp://127.0.0.1:0", .keys = keys_});
+  WriteKeyPair(MakeKeyPair(), keys_ / "actors" / "late");
+  const auto client = ConnectZmq(server->endpoint(), ReadClientKeys(keys_, "late"));
+  EXPECT_TRUE(Reaches(*client, *server, "hello", milliseconds(5000)));
+}
+
+TEST_F(ZmqTest, NoKeysNoListeningBeyondThisMachine) {
+  EXPECT_THROW((void)ListenZmq({.endpoint = "tcp://*:0"}), Error);
+  EXPECT_NO_THROW((void)ListenZmq({.endpoint = "tcp://*:0", .allow_insecure = true}));
+  EXPECT_TRUE(IsLocal("ipc:///tmp/x"));
+  EXPECT_TRUE(IsLocal("tcp://127.0.0.1:5000"));
+  EXPECT_FALSE(IsLocal("tcp://0.0.0.0:5000"));
+  EXPECT_FALSE(IsLocal("tcp://localhost.example.org:5000"));
+}
+
+TEST_F(ZmqTest, BadAddressesAndKeysAreErrors) {
+  EXPECT_THROW((void)ListenZmq({.endpoint = "nonsense", .allow_insecure = true}), Error);
+  EXPECT_THROW((void)ConnectZmq("nonsense", std::nullopt), Error);
+  EXPECT_THROW((void)ListenZmq({.endpoint = "tcp://127.0.0.1:0", .keys = keys_}), Error);
+  WriteKeyPair(MakeKeyPair(), keys_ / "learner");
+  EXPECT_THROW(WriteKeyPair(MakeKeyPair(), keys_ / "learner"), Error);
+  const auto server = ListenZmq({.endpoint = "tcp://127.0.0.1:0", .keys = keys_});
+  EXPECT_THROW((void)ListenZmq({.endpoint = server->endpoint(), .keys = keys_}), Error);
+  const auto mode = std::filesystem::status(keys_ / "learner.secret").permissions();
+  EXPECT_EQ(mode, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+}
+
+TEST(WakerTest, EndsAWait) {
+  InProcessNetwork network;
+  const auto server = network.Listen();
+  const Waker waker;
+  waker.Notify();
+  EXPECT_EQ(server->Receive(milliseconds(60'000), waker), std::nullopt);
+}
+
+}  // namespace
+}  // namespace powderkeg
