@@ -3,10 +3,10 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
-#include <exception>
+#include <algorithm>
 #include <fstream>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -32,7 +32,7 @@ struct Arguments {
   int games = 200;
   std::uint64_t seed = 1;
   int threads = static_cast<int>(std::thread::hardware_concurrency());
-  int games_in_flight = 16;
+  int games_in_flight = 0;  // 0: see GamesInFlight
   std::string json_file;
   std::string csv_file;
 };
@@ -58,11 +58,21 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--seed", arguments.seed, "equal seeds give equal boards");
   app.add_option("--threads", arguments.threads)->check(CLI::PositiveNumber);
   app.add_option("--games-in-flight", arguments.games_in_flight,
-                 "games side by side on each thread: the size of the batches")
-      ->check(CLI::PositiveNumber);
+                 "games side by side on each thread, which fill the batches of networks; 0: 16 "
+                 "where an agent has a model, else 1")
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--json", arguments.json_file, "write the result to this file");
   app.add_option("--csv", arguments.csv_file, "write one line per game to this file");
   app.option_defaults()->always_capture_default();
+}
+
+// Without a network, games side by side only crowd the caches.
+int GamesInFlight(const Arguments& arguments, const Lineup& lineup) {
+  if (arguments.games_in_flight > 0) return arguments.games_in_flight;
+  constexpr int kWithModel = 16;
+  return std::ranges::all_of(lineup, &std::string::empty, &AgentDescription::model_file)
+             ? 1
+             : kWithModel;
 }
 
 MatchSettings SettingsOf(const Arguments& arguments) {
@@ -80,7 +90,6 @@ MatchSettings SettingsOf(const Arguments& arguments) {
   settings.seed = arguments.seed;
   settings.games = arguments.games;
   settings.threads = std::min(arguments.threads, arguments.games);
-  settings.games_in_flight = arguments.games_in_flight;
   return settings;
 }
 
@@ -109,14 +118,15 @@ std::string Joined(const std::vector<std::string>& parts) {
   return text;
 }
 
-Contender Measure(const std::string& agent, const Arguments& arguments,
-                  const MatchSettings& settings) {
+Contender Measure(const std::string& agent, const Arguments& arguments, MatchSettings settings) {
+  const Lineup lineup = LineupOf(agent, arguments, settings.game.mode);
+  settings.games_in_flight = GamesInFlight(arguments, lineup);
   const bool terminal = isatty(STDERR_FILENO) != 0;
   Progress progress(std::cerr, terminal ? Progress::Style::kTerminal : Progress::Style::kPlain,
                     agent, settings.games, Progress::Clock::now());
   Contender contender{agent, Joined(arguments.opponents), {}, {}};
   contender.match = PlayMatch(
-      LineupOf(agent, arguments, settings.game.mode), settings, LoaderOf(arguments.evaluator),
+      lineup, settings, LoaderOf(arguments.evaluator),
       [&progress](const PlayedGame& game) { progress.AddGame(game, Progress::Clock::now()); });
   progress.Finish();
   contender.summary = Summarize(settings, contender.match);

@@ -66,7 +66,7 @@ std::string ActionsText(const MatchSummary& summary) {
 }
 
 std::string SearchText(const MatchSummary& summary) {
-  if (summary.simulations_per_s == 0) return "";
+  if (summary.mean_batch == 0) return "";  // nothing was ever evaluated
   std::string text = Format(
       "  depth   %5.2f   ms/move %.2f   simulations/s %.0f   mean batch %.1f\n", summary.mean_depth,
       summary.ms_per_move, summary.simulations_per_s, summary.mean_batch);
