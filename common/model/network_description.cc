@@ -91,8 +91,11 @@ NetworkDescription PaperNetwork() {
 
 NetworkDescription SmallNetwork() {
   NetworkDescription network;
-  network.stem_channels = 32;
-  network.blocks = {{.kind = Kind::kResidual, .expanded = 32, .channels = 32, .stride = 1}};
+  network.stem_channels = 16;
+  network.blocks = {
+      {.kind = Kind::kResidual, .expanded = 16, .channels = 16, .stride = 1},
+      {.kind = Kind::kResidual, .expanded = 16, .channels = 16, .stride = 1},
+  };
   network.value_channels = 4;
   network.value_hidden = 64;
   network.policy_channels = 4;
