@@ -65,7 +65,9 @@ struct Threats {
     if (known == 0) order.Add(direction);
     known = std::max(known, bomb_strength);
   }
-  [[nodiscard]] int From(Direction direction) const { return strength[static_cast<int>(direction)]; }
+  [[nodiscard]] int From(Direction direction) const {
+    return strength[static_cast<int>(direction)];
+  }
 };
 
 BitBoard LinesThrough(Cell cell) { return CrossOf(cell, kBoardSize); }
@@ -103,7 +105,7 @@ class Turn {
   [[nodiscard]] Cell NearestEnemy() const;
   [[nodiscard]] Cell NearestItem() const;
   [[nodiscard]] Direction FirstStepTowards(Cell goal, Rng& rng);
-  [[nodiscard]] Direction FirstStepOfTwo(Cell goal, Rng& rng);
+  [[nodiscard]] Cell DrawPredecessorAtOne(Cell goal, Rng& rng);
   [[nodiscard]] Cell DrawPredecessorAtTwo(Cell goal, Rng& rng) const;
   // Rule 7.
   [[nodiscard]] Direction Wander(PolicyMemory& memory, Rng& rng) const;
@@ -127,9 +129,9 @@ class Turn {
   BitBoard bombs_;       // visible
   BitBoard threatened_;  // in line with a visible bomb at distance <= its strength
   std::array<BitBoard, kEnemyRadius + 1> at_distance_;  // nodes by length of the shortest path
-  // The first move to a cell at distance two is drawn once a decision.
-  Cell drawn_cell_ = kNoCell;
-  Direction drawn_direction_ = Direction::kNone;
+  // The cell at distance two whose predecessor was drawn last, and that.
+  Cell drawn_goal_ = kNoCell;
+  Cell drawn_predecessor_ = kNoCell;
 };
 
 Turn::Turn(const PolicyView& view)
@@ -305,21 +307,23 @@ class PredecessorDraw {
 // `goal` is at distance 1 to 3.
 Direction Turn::FirstStepTowards(Cell goal, Rng& rng) {
   if (at_distance_[3].Has(goal)) goal = DrawPredecessorAtTwo(goal, rng);
-  if (at_distance_[2].Has(goal)) return FirstStepOfTwo(goal, rng);
+  if (at_distance_[2].Has(goal)) goal = DrawPredecessorAtOne(goal, rng);
   const auto leads = [&](Direction direction) { return Target(direction).Has(goal); };
   return *std::ranges::find_if(kDirections, leads);
 }
 
-Direction Turn::FirstStepOfTwo(Cell goal, Rng& rng) {
-  if (goal == drawn_cell_) return drawn_direction_;
-  const BitBoard beside = BitBoard::Of(goal).Neighbours() & at_distance_[1] & passable_;
+// Two goals may share a predecessor at distance two: what was drawn for it stands.
+Cell Turn::DrawPredecessorAtOne(Cell goal, Rng& rng) {
+  if (goal == drawn_goal_) return drawn_predecessor_;
+  const BitBoard candidates = BitBoard::Of(goal).Neighbours() & at_distance_[1] & passable_;
   PredecessorDraw draw;
   for (const Direction direction : kDirections) {
-    if ((Target(direction) & beside).Any()) draw.Offer(static_cast<Cell>(direction), rng);
+    const BitBoard found = Target(direction) & candidates;
+    if (found.Any()) draw.Offer(found.First(), rng);
   }
-  drawn_cell_ = goal;
-  drawn_direction_ = static_cast<Direction>(draw.cell());
-  return drawn_direction_;
+  drawn_goal_ = goal;
+  drawn_predecessor_ = draw.cell();
+  return drawn_predecessor_;
 }
 
 // Cells at distance two are offered in the order in which the search found them.
