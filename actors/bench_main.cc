@@ -15,6 +15,7 @@
 #include "tests/bench/bench_policies.h"
 #include "tests/bench/bench_search.h"
 #include "tests/bench/bench_step.h"
+#include "tests/bench/bench_wire.h"
 #include "tests/bench/figure.h"
 #ifdef POWDERKEG_HAS_ONEDNN
 #include "tests/bench/bench_model.h"
@@ -39,6 +40,7 @@ std::vector<Suite> Suites() {
       {"size", "bytes of a position and of a tree node", BenchSizes},
       {"step", "rules, observations, legal actions, start positions", BenchStep},
       {"policies", "rule-based games, decisions and verification", BenchPolicies},
+      {"wire", "size of games as sent, the learner's intake", BenchWire},
       {"search", "simulations, their parts, and the signature of the search", BenchSearch},
 #ifdef POWDERKEG_HAS_ONEDNN
       {"model", "planes and network evaluations", BenchModel},
