@@ -96,6 +96,22 @@ INSTANTIATE_TEST_SUITE_P(Environments, GameOfEveryMode,
                                          "PommeTeamCompetition-v0", "PommeTeamCompetition-v1",
                                          "PommeRadioCompetition-v2"));
 
+// Whom the collapse kills had decided already: the record has it stand still, without a decision.
+TEST(Game, CollapsesAfterEverybodyDecided) {
+  GameSettings settings;
+  settings.collapse_steps = {4, 9, 14, 19};
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    GamePlan plan =
+        PlanOfSeats({kSearching, kSimpleUnbiasedSeat, kSimpleUnbiasedSeat, kSimpleUnbiasedSeat},
+                    seed, settings);
+    AskingAgent agent(/*questions=*/1);
+    plan.players[0] = {&agent, {std::make_shared<UniformEvaluator>(), 0}};
+    const GameRecord record = PlayGame(plan);
+    EXPECT_EQ(Verify(record), std::nullopt) << "seed " << seed;
+    EXPECT_LE(record.decisions.size(), 20u);
+  }
+}
+
 TEST(Game, EndsWithTheLastSearchersDeathWhereThePlanSaysSo) {
   int early = 0;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
