@@ -1,6 +1,7 @@
 // agent_server: serves agents to the official runner over HTTP, one on each port.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <iostream>
@@ -55,9 +56,8 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
 // The agent's own words, changed by what holds for all.
 AgentDescription DescriptionOf(const std::string& text, const Arguments& arguments) {
   AgentDescription description = ParseAgent(text);
-  const bool searches = description.kind == AgentDescription::Kind::kSearch;
-  if (searches && arguments.simulations > 0) description.search.simulations = arguments.simulations;
-  if (searches && arguments.move_time_ms > 0) {
+  if (arguments.simulations > 0) description.search.simulations = arguments.simulations;
+  if (arguments.move_time_ms > 0) {
     description.search.simulations = kEnoughSimulations;
     description.search.leaves_per_batch =
         std::max(description.search.leaves_per_batch, kLeavesUnderClock);
@@ -67,27 +67,57 @@ AgentDescription DescriptionOf(const std::string& text, const Arguments& argumen
   return description;
 }
 
+// Refuses options that no agent would look at.
+void CheckOptions(const std::vector<AgentDescription>& agents, const Arguments& arguments) {
+  using Kind = AgentDescription::Kind;
+  const bool searches = std::ranges::any_of(
+      agents, [](const AgentDescription& agent) { return agent.kind == Kind::kSearch; });
+  const bool thinks = std::ranges::any_of(
+      agents, [](const AgentDescription& agent) { return agent.kind != Kind::kRuleBased; });
+  if (!searches && (arguments.simulations > 0 || arguments.move_time_ms > 0)) {
+    throw Error("--simulations and --move-time-ms: expected an agent that searches");
+  }
+  if (!thinks && !arguments.model.empty()) {
+    throw Error(StrCat("--model ", arguments.model, ": expected an agent with a network"));
+  }
+}
+
+// One for each port.
+std::vector<AgentDescription> AgentsOf(const Arguments& arguments) {
+  const std::size_t ports = arguments.ports.size();
+  if (arguments.agents.size() != 1 && arguments.agents.size() != ports) {
+    throw Error(StrCat(arguments.agents.size(), " agents for ", ports,
+                       " ports, expected one agent or one for each port"));
+  }
+  std::vector<AgentDescription> agents;
+  for (const std::string& text : arguments.agents) {
+    agents.push_back(DescriptionOf(text, arguments));
+  }
+  CheckOptions(agents, arguments);
+  agents.resize(ports, agents.front());
+  return agents;
+}
+
 // An agent on a port. The order matters: the server uses the service.
 struct Seat {
   std::unique_ptr<AgentService> service;
   std::unique_ptr<HttpServer> server;
 };
 
-Seat Serve(const std::string& agent, int port, const Arguments& arguments) {
-  const AgentDescription description = DescriptionOf(agent, arguments);
-  const Model model = MakeModel(description.model_file, [&](const std::string& file) -> Model {
+Seat Serve(const AgentDescription& agent, int port, const Arguments& arguments) {
+  const Model model = MakeModel(agent.model_file, [&](const std::string& file) -> Model {
     const Snapshot snapshot = LoadSnapshot(file);
     return {MakeEvaluator(arguments.evaluator, snapshot), snapshot->version};
   });
   Seat seat;
   seat.service = std::make_unique<AgentService>(
-      MakeAgent(description), model.evaluator,
+      MakeAgent(agent), model.evaluator,
       ServiceSettings{.move_time = std::chrono::milliseconds(arguments.move_time_ms),
                       .seed = arguments.seed});
   seat.server = std::make_unique<HttpServer>(
       *seat.service, HttpServerSettings{.host = arguments.host, .port = port});
-  log::Info("serving", "agent", agent, "evaluator", model.evaluator->name(), "host", arguments.host,
-            "port", seat.server->port());
+  log::Info("serving", "agent", agent.text, "evaluator", model.evaluator->name(), "host",
+            arguments.host, "port", seat.server->port());
   return seat;
 }
 
@@ -109,16 +139,12 @@ void Report(const Seat& seat) {
 }
 
 void Run(const Arguments& arguments) {
-  if (arguments.agents.size() != 1 && arguments.agents.size() != arguments.ports.size()) {
-    throw Error(StrCat(arguments.agents.size(), " agents for ", arguments.ports.size(),
-                       " ports, expected one agent or one for each port"));
-  }
+  const std::vector<AgentDescription> agents = AgentsOf(arguments);
   const sigset_t signals = BlockEndSignals();
   InitialiseEvaluators();
   std::vector<Seat> seats;
-  for (std::size_t i = 0; i < arguments.ports.size(); ++i) {
-    const std::size_t agent = arguments.agents.size() == 1 ? 0 : i;
-    seats.push_back(Serve(arguments.agents[agent], arguments.ports[i], arguments));
+  for (std::size_t i = 0; i < agents.size(); ++i) {
+    seats.push_back(Serve(agents[i], arguments.ports[i], arguments));
   }
   int signal = 0;
   sigwait(&signals, &signal);

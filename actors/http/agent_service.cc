@@ -1,6 +1,7 @@
 #include "actors/http/agent_service.h"
 
 #include <algorithm>
+#include <bit>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -86,8 +87,10 @@ std::optional<Cell> AgentService::mate() const {
 }
 
 ServiceReply AgentService::Refused(int status, std::string_view reason) {
-  ++statistics_.refused;
-  log::Warn("request refused", "status", status, "reason", reason);
+  // The 1st, 2nd, 4th, 8th, ... is logged: a client may go on for ever.
+  if (std::has_single_bit(++statistics_.refused)) {
+    log::Warn("request refused", "status", status, "reason", reason, "so_far", statistics_.refused);
+  }
   return {.status = status, .body = Json{{"error", reason}}.dump()};
 }
 

@@ -49,8 +49,7 @@ void ReadGrid(JsonReader& reader, const Json& object, std::string_view key, int 
         reader.List(JsonReader::Element(rows, static_cast<std::size_t>(row)), name, length);
     for (int column = 0; column < size && reader.ok(); ++column) {
       const Json& value = JsonReader::Element(values, static_cast<std::size_t>(column));
-      cells[static_cast<std::size_t>(CellAt(row, column))] =
-          static_cast<Value>(reader.Integer(value, name, 0, maximum));
+      cells[CellAt(row, column)] = static_cast<Value>(reader.Integer(value, name, 0, maximum));
     }
   }
 }
@@ -72,7 +71,7 @@ void ReadAlive(JsonReader& reader, const Json& object, Observation& observation)
                  "alive is no list of at most 4 agents");
   for (std::size_t i = 0; i < alive.size() && reader.ok(); ++i) {
     const int value = reader.Integer(alive[i], "alive", kAgent0, kAgent0 + kAgentCount - 1);
-    bool& living = observation.alive[static_cast<std::size_t>(value - kAgent0)];
+    bool& living = observation.alive[value - kAgent0];
     reader.Require(!living, "alive names agent ", value, " twice");
     living = true;
   }
@@ -114,9 +113,9 @@ void IdentifySelf(JsonReader& reader, Observation& observation) {
 void CheckAgents(JsonReader& reader, const Observation& observation, bool fog) {
   std::array<int, kAgentCount> shown{};
   for (Cell cell = 0; cell < kCellCount; ++cell) {
-    const int value = static_cast<int>(observation.board[static_cast<std::size_t>(cell)]);
+    const int value = static_cast<int>(observation.board[cell]);
     reader.Require(value != kDummy, "board", CellText(cell), " is 9, which is never on the board");
-    if (value >= kAgent0) ++shown[static_cast<std::size_t>(value - kAgent0)];
+    if (value >= kAgent0) ++shown[value - kAgent0];
   }
   for (std::size_t i = 0; i < kAgentCount; ++i) {
     const int most = observation.alive[i] ? 1 : 0;

@@ -46,8 +46,8 @@ class MateTracker {
   // `step`: of the observation that brought the message, which was sent a step earlier.
   void Hear(int step, const Message& message);
 
-  // The cell where the mate is expected now, if both coordinates were heard: off by up to two rows or
-  // columns where a move failed or was not told yet.
+  // The cell where the mate is expected now, if both coordinates were heard: off by up to two rows
+  // or columns where a move failed or was not told yet.
   [[nodiscard]] std::optional<Cell> cell() const;
 
  private:

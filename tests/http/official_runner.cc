@@ -35,7 +35,7 @@ OfficialRunner::OfficialRunner(const GameSettings& settings,
 
 void OfficialRunner::Start() {
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
-    httplib::Client client("127.0.0.1", ports_[static_cast<std::size_t>(agent)]);
+    httplib::Client client("127.0.0.1", ports_[agent]);
     if (!client.Get("/ping")) Fail(agent, "no answer to /ping");
     (void)Post(agent, "/init_agent", InitBody(agent, settings_.mode));
   }
@@ -81,14 +81,14 @@ Action OfficialRunner::Ask(AgentId agent, const State& state, Message& words) {
   const Json& played = reply["action"];
   if (played.is_array()) words = {played[1].get<std::uint8_t>(), played[2].get<std::uint8_t>()};
   const int action = played.is_array() ? played[0].get<int>() : played.get<int>();
-  if (legal_[static_cast<std::size_t>(agent)] && (LegalActions(state, agent) >> action & 1) == 0) {
+  if (legal_[agent] && (LegalActions(state, agent) >> action & 1) == 0) {
     Fail(agent, "illegal action " + answer);
   }
   return static_cast<Action>(action);
 }
 
 std::string OfficialRunner::Post(AgentId agent, const char* path, const std::string& body) {
-  httplib::Client client("127.0.0.1", ports_[static_cast<std::size_t>(agent)]);
+  httplib::Client client("127.0.0.1", ports_[agent]);
   const auto result = client.Post(path, body, "application/json");
   if (result && result->status == 200) return result->body;
   Fail(agent, StrCat(path, ": ", result ? result->body : to_string(result.error())));

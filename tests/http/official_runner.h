@@ -23,7 +23,7 @@ class OfficialRunner {
   OfficialRunner(const GameSettings& settings, const std::array<int, kAgentCount>& ports);
 
   // From now on an action of this agent that LegalActions excludes is a failure.
-  void RequireLegal(AgentId agent) { legal_[static_cast<std::size_t>(agent)] = true; }
+  void RequireLegal(AgentId agent) { legal_[agent] = true; }
 
   // Plays to the end or for max_steps.
   [[nodiscard]] GameReport PlayGame(std::uint64_t seed, int max_steps);

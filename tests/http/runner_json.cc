@@ -17,7 +17,7 @@ OrderedJson Rows(const std::array<Value, kCellCount>& cells, int size) {
   for (int row = 0; row < size; ++row) {
     OrderedJson values = OrderedJson::array();
     for (int column = 0; column < size; ++column) {
-      values.push_back(static_cast<Number>(cells[static_cast<std::size_t>(CellAt(row, column))]));
+      values.push_back(static_cast<Number>(cells[CellAt(row, column)]));
     }
     rows.push_back(values);
   }
@@ -27,7 +27,7 @@ OrderedJson Rows(const std::array<Value, kCellCount>& cells, int size) {
 OrderedJson Alive(const Observation& observation) {
   OrderedJson alive = OrderedJson::array();
   for (int id = 0; id < kAgentCount; ++id) {
-    if (observation.alive[static_cast<std::size_t>(id)]) alive.push_back(kAgent0 + id);
+    if (observation.alive[id]) alive.push_back(kAgent0 + id);
   }
   return alive;
 }
