@@ -350,7 +350,10 @@ void SessionServer::TopUp(const PeerId& peer, Ack& ack) {
   const Session& session = sessions_.at(peer);
   const std::size_t target = TicketTarget(session.hello.loops, settings_.self_play.games_in_flight);
   const std::size_t held = office_.held(session.id);
-  if (held < target && !stopping_) ack.tickets = office_.Grant(session.id, target - held);
+  if (held >= target || stopping_) return;
+  using Source = TicketOffice::Source;
+  const Source source = settings_.wants_games() ? Source::kOpenThenNew : Source::kOpenOnly;
+  ack.tickets = office_.Grant(session.id, target - held, source);
 }
 
 // In as many messages as it takes.
@@ -391,7 +394,14 @@ void SessionServer::Tick(Clock::time_point now) {
     if (now - session.last_sent >= settings_.heartbeat) due.push_back(peer);
   }
   for (const PeerId& peer : due) SendToSession(peer, Heartbeat{});
+  TopUpEverybody();
   UpdateStatistics(now);
+}
+
+void SessionServer::TopUpEverybody() {
+  std::map<PeerId, Ack> acks;
+  for (const auto& [peer, session] : sessions_) TopUp(peer, acks[peer]);
+  for (const auto& [peer, ack] : acks) SendAck(peer, ack);
 }
 
 // Silence counts only up to when everything that had arrived was read.

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -39,6 +40,9 @@ struct SessionServerSettings {
   std::size_t max_pending_bytes = std::size_t{256} << 20;
   // An actor that had so many games rejected in one session is refused.
   std::uint64_t max_rejected_games = 16;
+  // Whether new games are wanted; while not, only tickets of lost games are handed out. Asked often
+  // and on the io thread.
+  std::function<bool()> wants_games = [] { return true; };
 };
 
 struct ActorStatistics {
@@ -139,6 +143,8 @@ class SessionServer {
   void Settle(const Verdict& verdict, std::map<PeerId, Ack>& acks);
   void SendAck(const PeerId& peer, const Ack& ack);
   void TopUp(const PeerId& peer, Ack& ack);
+  // New games may be wanted again, or a lost game's ticket open.
+  void TopUpEverybody();
   void OfferNewWeights();
   void Tick(Clock::time_point now);
   void EndSilentSessions(Clock::time_point now);

@@ -33,14 +33,15 @@ TicketOffice::TicketOffice(std::span<const std::uint64_t> known, std::uint64_t f
   }
 }
 
-std::vector<std::uint64_t> TicketOffice::Grant(SessionId session, std::size_t count) {
+std::vector<std::uint64_t> TicketOffice::Grant(SessionId session, std::size_t count,
+                                               Source source) {
   std::vector<std::uint64_t> tickets;
   tickets.reserve(count);
   while (tickets.size() < count && !open_.empty()) {
     tickets.push_back(*open_.begin());
     open_.erase(open_.begin());
   }
-  while (tickets.size() < count) tickets.push_back(issued_++);
+  while (source == Source::kOpenThenNew && tickets.size() < count) tickets.push_back(issued_++);
   for (const std::uint64_t ticket : tickets) Hold(session, ticket);
   return tickets;
 }

@@ -41,8 +41,10 @@ class TicketOffice {
   // Durable are, from earlier starts of the learner, all tickets below `first_open` and `known`.
   explicit TicketOffice(std::span<const std::uint64_t> known, std::uint64_t first_open = 0);
 
-  // `count` tickets for a session, ascending: open ones first, then new ones.
-  [[nodiscard]] std::vector<std::uint64_t> Grant(SessionId session, std::size_t count);
+  enum class Source : std::uint8_t { kOpenThenNew, kOpenOnly };
+  // At most `count` tickets for a session, ascending: open ones first, then new ones.
+  [[nodiscard]] std::vector<std::uint64_t> Grant(SessionId session, std::size_t count,
+                                                 Source source = Source::kOpenThenNew);
 
   // A session returns with tickets it was granted earlier, perhaps before a restart of the
   // learner. It gets those that are open. Numbers beyond the issued ones count as issued with all

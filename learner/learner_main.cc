@@ -1,0 +1,273 @@
+// The learner: takes games in, trains, hands weights out, until the run's iterations are done.
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/base/check.h"
+#include "common/base/log.h"
+#include "common/base/worker.h"
+#include "common/config/config.h"
+#include "common/pommerman/game_settings.h"
+#include "common/wire/zmq_transport.h"
+#include "learner/intake/session_server.h"
+#include "learner/replay/store.h"
+#include "learner/report/iteration_table.h"
+#include "learner/report/live_line.h"
+#include "learner/train/learner_loop.h"
+
+namespace powderkeg {
+namespace {
+
+using std::chrono::milliseconds;
+
+volatile std::sig_atomic_t stop_signal = 0;
+
+struct Options {
+  std::filesystem::path run_dir;
+  std::string config;
+  std::vector<std::string> changes;
+  std::string listen = "tcp://127.0.0.1:5555";
+  std::string keys;
+  bool insecure = false;
+  std::string log_level = "info";
+};
+
+// Only one learner at a time may own a run. Held until the process ends.
+class RunLock {
+ public:
+  explicit RunLock(const std::filesystem::path& folder) {
+    const std::string path = (folder / "learner.lock").string();
+    file_ = open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644);
+    if (file_ < 0) throw Error(StrCat("cannot create ", path));
+    if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
+      throw Error(StrCat(folder.string(), " is in use by another learner"));
+    }
+  }
+  ~RunLock() { close(file_); }
+  RunLock(const RunLock&) = delete;
+  RunLock& operator=(const RunLock&) = delete;
+
+ private:
+  int file_;
+};
+
+// A random name of the run, made at its first start: actors must not mix runs up.
+std::string RunIdOf(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / "run_id";
+  std::string id;
+  if (std::ifstream(path) >> id) return id;
+  std::random_device device;
+  char text[33];
+  std::snprintf(text, sizeof text, "%08x%08x", device(), device());
+  id = folder.filename().string() + "-" + text;
+  const std::filesystem::path temporary = path.string() + ".tmp";
+  std::ofstream(temporary) << id << '\n';
+  std::filesystem::rename(temporary, path);
+  return id;
+}
+
+// The settings of a run are kept with it; a later start may change them.
+RunConfig ConfigOf(const Options& options) {
+  const std::filesystem::path stored = options.run_dir / "config.textproto";
+  std::string source = options.config;
+  if (source.empty() && std::filesystem::exists(stored)) source = stored.string();
+  const RunConfig config = LoadConfig(source, options.changes);
+  std::ofstream(stored) << ToText(config);
+  return config;
+}
+
+// What is shown while it runs: a live line on a terminal, a plain line now and then elsewhere, and
+// the table of iterations.
+class Display {
+ public:
+  Display() : terminal_(isatty(STDOUT_FILENO) != 0) {}
+
+  void ShowStatus(const LiveStatus& status) {
+    const auto now = LiveLine::Clock::now();
+    const std::string line = live_.Next(status, now);
+    if (terminal_) {
+      std::cout << "\r\033[K" << line << std::flush;
+    } else if (now - last_plain_ >= std::chrono::seconds(15)) {
+      std::cout << line << std::endl;
+      last_plain_ = now;
+    }
+  }
+
+  void ShowIteration(const IterationReport& report) {
+    Clear();
+    if (lines_++ % 20 == 0) std::cout << TableHeader() << '\n';
+    std::cout << TableLine(report) << std::endl;
+  }
+
+  void Clear() {
+    if (terminal_) std::cout << "\r\033[K" << std::flush;
+  }
+
+ private:
+  const bool terminal_;
+  LiveLine live_;
+  LiveLine::Clock::time_point last_plain_;
+  int lines_ = 0;
+};
+
+LiveStatus StatusOf(const LearnerLoop::Progress& progress, const IntakeStatistics& intake,
+                    int iterations) {
+  LiveStatus status;
+  status.iteration = std::min(progress.iteration + 1, iterations);
+  status.iterations = iterations;
+  status.decisions = progress.games.decisions_in_prefix;
+  status.decisions_wanted = progress.decisions_wanted;
+  status.decisions_beyond = progress.games.decisions - progress.games.decisions_in_prefix;
+  status.straggler = progress.games.straggler;
+  status.samples = progress.training.samples_done;
+  status.samples_wanted = progress.training.samples;
+  status.actors = intake.actors.size();
+  status.totals.games = intake.games;
+  status.totals.decisions = intake.decisions;
+  for (const ActorStatistics& actor : intake.actors) {
+    status.totals.evaluations += actor.heartbeat.evaluations;
+    status.totals.batches += actor.heartbeat.batches;
+  }
+  return status;
+}
+
+// Everything between a run's folder and the end of the process.
+class Learner {
+ public:
+  explicit Learner(const Options& options)
+      : lock_(options.run_dir),
+        config_(ConfigOf(options)),
+        store_(options.run_dir / "replay"),
+        loop_(LoopSettings(options), LoopHooks()) {
+    std::vector<std::uint64_t> known;
+    store_.Load([&](GameRecord&& game) {
+      known.push_back(game.ticket);
+      loop_.Add(std::move(game));
+    });
+    log::Info("run opened", "folder", options.run_dir.string(), "games", known.size(),
+              "iterations_done", loop_.progress().iteration);
+    std::optional<std::filesystem::path> keys;
+    if (!options.keys.empty()) keys = options.keys;
+    SessionServerSettings settings;
+    settings.run_id = RunIdOf(options.run_dir);
+    settings.self_play = config_.self_play;
+    settings.wants_games = [this] { return !loop_.Full(); };
+    server_ = std::make_unique<SessionServer>(
+        settings, ListenZmq({options.listen, keys, options.insecure}),
+        [this](std::vector<GameRecord> games) { Append(std::move(games)); }, known);
+    log::Info("listening", "endpoint", server_->endpoint(), "keys", keys ? "yes" : "no");
+  }
+
+  // Returns when every iteration is done or a signal came. Throws Error.
+  void Run() {
+    Worker trainer("trainer", [this](const std::stop_token& stop) { loop_.Run(stop); });
+    while (stop_signal == 0 && !trainer.finished() && !server_->failed()) {
+      display_.ShowStatus(
+          StatusOf(loop_.progress(), server_->statistics(), config_.training.iterations));
+      std::this_thread::sleep_for(milliseconds(500));
+    }
+    display_.Clear();
+    const bool complete = stop_signal == 0 && trainer.finished() && !server_->failed();
+    trainer.RequestStop();
+    server_->Stop({complete ? "the run is complete" : "the learner stops", complete});
+    trainer.Join();
+    log::Info(complete ? "run complete" : "stopped", "iterations_done", loop_.progress().iteration);
+  }
+
+ private:
+  LearnerLoopSettings LoopSettings(const Options& options) const {
+    const auto game = GameSettingsFor(config_.self_play.environment);
+    if (!game) {
+      throw Error(StrCat("environment is '", config_.self_play.environment, "', expected one of ",
+                         KnownEnvironmentIds()));
+    }
+    LearnerLoopSettings settings;
+    settings.training = config_.training;
+    settings.game = *game;
+    settings.folder = options.run_dir;
+    settings.seed = config_.self_play.seed;
+    return settings;
+  }
+
+  LearnerLoopHooks LoopHooks() {
+    return {.publish = [this](const Snapshot& snapshot) { server_->Publish(snapshot); },
+            .iteration_done =
+                [this](const IterationReport& report) {
+                  display_.ShowIteration(report);
+                  merge_wanted_ = true;
+                }};
+  }
+
+  // On the store thread, which makes all HDF5 calls.
+  void Append(std::vector<GameRecord> games) {
+    store_.Append(games);
+    if (merge_wanted_.exchange(false)) store_.Merge();
+    for (GameRecord& game : games) loop_.Add(std::move(game));
+  }
+
+  RunLock lock_;
+  RunConfig config_;
+  Display display_;
+  std::atomic<bool> merge_wanted_ = false;
+  ReplayStore store_;
+  LearnerLoop loop_;
+  std::unique_ptr<SessionServer> server_;  // last: its threads use what stands above
+};
+
+int Main(int argc, char** argv) {
+  Options options;
+  CLI::App app{
+      "Powderkeg's learner: verifies and stores the games that actors send, trains on them and\n"
+      "sends new weights. Started again on the same folder it goes on where it was."};
+  app.add_option("--run-dir", options.run_dir, "folder of the run, runs/NAME")->required();
+  app.add_option("--config", options.config,
+                 "settings (deploy/*.textproto); default: those stored in the run's folder")
+      ->check(CLI::ExistingFile);
+  app.add_option("--set", options.changes, "PATH=VALUE overrides one setting; may be repeated")
+      ->take_all();
+  app.add_option("--listen", options.listen, "tcp://*:PORT, tcp://127.0.0.1:PORT or ipc://PATH")
+      ->capture_default_str();
+  app.add_option("--keys", options.keys, "folder of CURVE keys (deploy/keys)");
+  app.add_flag("--insecure", options.insecure, "allow other machines without keys");
+  app.add_option("--log-level", options.log_level, "debug, info, warn or error")
+      ->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+
+  std::signal(SIGINT, [](int) { stop_signal = 1; });
+  std::signal(SIGTERM, [](int) { stop_signal = 1; });
+  std::signal(SIGHUP, [](int) { stop_signal = 1; });
+  try {
+    std::filesystem::create_directories(options.run_dir / "log");
+    log::Init((options.run_dir / "log" / "learner.log").string(), log::LevelFor(options.log_level));
+    Learner(options).Run();
+    return 0;
+  } catch (const Error& error) {
+    log::Error("learner failed", "reason", error.what());
+    return 1;
+  } catch (const std::filesystem::filesystem_error& error) {
+    log::Error("learner failed", "reason", error.what());
+    return 1;
+  }
+}
+
+}  // namespace
+}  // namespace powderkeg
+
+int main(int argc, char** argv) { return powderkeg::Main(argc, argv); }
