@@ -9,6 +9,19 @@
 
 namespace powderkeg {
 
+namespace internal {
+
+__extension__ typedef unsigned __int128 CellWord;
+
+// All cells but those of a column.
+constexpr CellWord WithoutColumn(int column) {
+  CellWord cells = (CellWord{1} << kCellCount) - 1;
+  for (int row = 0; row < kBoardSize; ++row) cells &= ~(CellWord{1} << CellAt(row, column));
+  return cells;
+}
+
+}  // namespace internal
+
 // A subset of the 121 cells; bit `cell` of the 128. A trivially copyable value. Shift results are
 // clipped to the board: nothing wraps from one row's end to the next row's start.
 class BitBoard {
@@ -59,9 +72,11 @@ class BitBoard {
   [[nodiscard]] constexpr BitBoard Up() const { return BitBoard(bits() >> kBoardSize); }
   [[nodiscard]] constexpr BitBoard Down() const { return BitBoard(bits() << kBoardSize) & All(); }
   [[nodiscard]] constexpr BitBoard Left() const {
-    return BitBoard(bits() >> 1) & NotColumn<kBoardSize - 1>();
+    return BitBoard(bits() >> 1) & BitBoard(kNotLastColumn);
   }
-  [[nodiscard]] constexpr BitBoard Right() const { return BitBoard(bits() << 1) & NotColumn<0>(); }
+  [[nodiscard]] constexpr BitBoard Right() const {
+    return BitBoard(bits() << 1) & BitBoard(kNotFirstColumn);
+  }
   [[nodiscard]] constexpr BitBoard Shifted(Direction direction) const {
     switch (direction) {
       case Direction::kUp: return Up();
@@ -97,21 +112,14 @@ class BitBoard {
   [[nodiscard]] constexpr std::uint64_t high() const { return high_; }
 
  private:
-  __extension__ typedef unsigned __int128 Word;
+  using Word = internal::CellWord;
+  static constexpr Word kNotFirstColumn = internal::WithoutColumn(0);
+  static constexpr Word kNotLastColumn = internal::WithoutColumn(kBoardSize - 1);
   static constexpr std::uint64_t kHighMask = (std::uint64_t{1} << (kCellCount - 64)) - 1;
 
   explicit constexpr BitBoard(Word bits)
       : low_(static_cast<std::uint64_t>(bits)), high_(static_cast<std::uint64_t>(bits >> 64)) {}
   constexpr BitBoard(std::uint64_t low, std::uint64_t high) : low_(low), high_(high) {}
-  template <int column>
-  [[nodiscard]] static constexpr BitBoard NotColumn() {
-    constexpr Word bits = [] {
-      Word all = (Word{1} << kCellCount) - 1;
-      for (int row = 0; row < kBoardSize; ++row) all &= ~(Word{1} << CellAt(row, column));
-      return all;
-    }();
-    return BitBoard(bits);
-  }
   [[nodiscard]] constexpr Word bits() const { return Word{high_} << 64 | low_; }
 
   std::uint64_t low_ = 0;
