@@ -34,7 +34,6 @@ std::vector<BenchFigure> BenchSizes() {
   return {{"state", sizeof(State), "bytes"}, {"tree_node", sizeof(Node), "bytes"}};
 }
 
-// A figure's full name is "<suite>.<name>".
 std::vector<Suite> Suites() {
   return {
       {"size", "bytes of a position and of a tree node", BenchSizes},
@@ -46,6 +45,12 @@ std::vector<Suite> Suites() {
       {"model", "planes and network evaluations", BenchModel},
 #endif
   };
+}
+
+// "<suite>.<name>"; some providers give their figures such names themselves.
+std::string FullName(const Suite& suite, const std::string& name) {
+  const std::string prefix = suite.name + ".";
+  return name.starts_with(prefix) ? name : prefix + name;
 }
 
 bool Contains(const std::string& text, const std::string& part) {
@@ -62,7 +67,7 @@ std::vector<BenchFigure> RunSuites(const std::string& filter) {
   for (const Suite& suite : suites) {
     if (names_suite && !Contains(suite.name, filter)) continue;
     for (BenchFigure& figure : suite.run()) {
-      figure.name = suite.name + "." + figure.name;
+      figure.name = FullName(suite, figure.name);
       if (names_suite || Contains(figure.name, filter)) figures.push_back(std::move(figure));
     }
   }
