@@ -11,6 +11,7 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -45,16 +46,38 @@ GameSource RecordedSource(const std::string& file) {
 }
 
 #ifdef POWDERKEG_HAS_SEGMENTS
+// A folder that goes when its owner goes.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() : path_(std::filesystem::temp_directory_path() / "replay-XXXXXX") {
+    if (mkdtemp(path_.data()) == nullptr) throw Error(StrCat("cannot make the folder ", path_));
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  [[nodiscard]] std::filesystem::path path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
 // Reads the segment as the only one of a store of our own: the folder it lies in may belong to a
 // running learner.
 std::vector<GameRecord> RecordsOf(const std::filesystem::path& segment) {
-  std::string pattern = std::filesystem::temp_directory_path() / "replay-XXXXXX";
-  if (mkdtemp(pattern.data()) == nullptr) throw Error(StrCat("cannot make the folder ", pattern));
-  const std::filesystem::path folder = pattern;
-  std::filesystem::create_symlink(std::filesystem::absolute(segment), folder / segment.filename());
+  if (!std::filesystem::is_regular_file(segment)) {
+    throw Error(StrCat("cannot open ", segment.string()));
+  }
+  const TemporaryFolder folder;
+  std::filesystem::create_symlink(std::filesystem::absolute(segment),
+                                  folder.path() / "segment-00000001.h5");
   std::vector<GameRecord> records;
-  ReplayStore(folder).Load([&](GameRecord&& record) { records.push_back(std::move(record)); });
-  std::filesystem::remove_all(folder);
+  ReplayStore(folder.path()).Load([&](GameRecord&& record) {
+    records.push_back(std::move(record));
+  });
   return records;
 }
 
