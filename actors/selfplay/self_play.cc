@@ -40,9 +40,10 @@ void CheckCanary(const WeightsSnapshot& weights, Evaluator& evaluator) {
                      " and ", tolerance.value));
 }
 
+// Without weights: the uniform evaluator, version 0.
 Model ModelFor(const SelfPlayConfig& config, const Snapshot& weights,
                const EvaluatorFactory& make_evaluator) {
-  if (IsUniform(config)) return {.evaluator = std::make_shared<UniformEvaluator>()};
+  if (IsUniform(config) || !weights) return {.evaluator = std::make_shared<UniformEvaluator>()};
   Model model{.evaluator = make_evaluator(config, weights), .weights_version = weights->version};
   CheckCanary(*weights, *model.evaluator);
   return model;
@@ -72,7 +73,8 @@ std::shared_ptr<const Welcome> SelfPlay::WaitUntilReady(const std::stop_token& s
   while (!stop.stop_requested() && !client_.ended()) {
     const std::uint64_t version = client_.version();
     const auto welcome = client_.welcome();
-    if (welcome && (IsUniform(welcome->self_play) || client_.weights())) return welcome;
+    const bool knows_weights = client_.weights() || client_.no_weights_yet();
+    if (welcome && (IsUniform(welcome->self_play) || knows_weights)) return welcome;
     client_.WaitForChange(version, kPoll);
   }
   return nullptr;

@@ -49,6 +49,11 @@ Snapshot SessionClient::weights() const {
   return weights_;
 }
 
+bool SessionClient::no_weights_yet() const {
+  const std::lock_guard lock(mutex_);
+  return no_weights_yet_;
+}
+
 std::uint64_t SessionClient::version() const {
   const std::lock_guard lock(mutex_);
   return version_;
@@ -242,6 +247,14 @@ void SessionClient::Handle(Connection& /*connection*/, const Ack& ack) {
 }
 
 void SessionClient::Handle(Connection& connection, const WeightsOffer& offer) {
+  if (offer.version == 0) {
+    {
+      const std::lock_guard lock(mutex_);
+      no_weights_yet_ = true;
+    }
+    Changed();
+    return;
+  }
   const Snapshot held = weights();
   if (held && held->version == offer.version) return;
   if (download_ && download_->offer == offer) return;

@@ -56,7 +56,9 @@ class SessionClient {
   [[nodiscard]] std::shared_ptr<const Welcome> welcome() const;
   // The newest weights, whole and checked; null before the first.
   [[nodiscard]] Snapshot weights() const;
-  // Waits until either of the above or ended() changed since the call of `version`, or time is up.
+  // Whether the learner has said that there are no weights yet: play by the uniform evaluator.
+  [[nodiscard]] bool no_weights_yet() const;
+  // Waits until any of the above or ended() changed since the call of `version`, or time is up.
   [[nodiscard]] std::uint64_t version() const;
   void WaitForChange(std::uint64_t version, std::chrono::milliseconds timeout) const;
 
@@ -127,6 +129,7 @@ class SessionClient {
   mutable std::condition_variable changed_;
   std::shared_ptr<const Welcome> welcome_;
   Snapshot weights_;
+  bool no_weights_yet_ = false;
   std::uint64_t version_ = 0;
   std::optional<Clock::time_point> deadline_;  // set when leaving
 

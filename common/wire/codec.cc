@@ -99,7 +99,7 @@ void Write(const WeightsOffer& offer, proto::Envelope& envelope) {
   proto::WeightsOffer& message = *envelope.mutable_weights_offer();
   message.set_version(offer.version);
   message.set_size_bytes(offer.size_bytes);
-  message.set_sha256(ToBytes(offer.sha256));
+  if (offer.version > 0) message.set_sha256(ToBytes(offer.sha256));
 }
 
 void Write(const WeightsRequest& request, proto::Envelope& envelope) {
@@ -241,6 +241,7 @@ Decoded<WireMessage> Read(const proto::Ack& message) {
 Decoded<WireMessage> Read(const proto::WeightsOffer& message) {
   WeightsOffer offer{
       .version = message.version(), .size_bytes = message.size_bytes(), .sha256 = {}};
+  if (offer == WeightsOffer{} && message.sha256().empty()) return offer;
   if (offer.version < 1) return OutOfRange("weights version");
   if (offer.size_bytes < 1 || offer.size_bytes > kMaxWeightsBytes) {
     return OutOfRange("size of the weights");

@@ -87,6 +87,7 @@ struct Ack {
   friend bool operator==(const Ack&, const Ack&) = default;
 };
 
+// The default value says that there are no weights yet.
 struct WeightsOffer {
   std::uint32_t version = 0;
   std::uint64_t size_bytes = 0;

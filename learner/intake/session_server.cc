@@ -73,14 +73,17 @@ SessionServer::~SessionServer() {
 }
 
 void SessionServer::Publish(const Snapshot& snapshot) {
-  const std::vector<std::uint8_t> bytes = Serialize(*snapshot);
-  if (bytes.size() > kMaxWeightsBytes) {
-    throw Error(StrCat("weights of ", bytes.size(), " bytes; expected at most ", kMaxWeightsBytes));
-  }
   auto published = std::make_shared<PublishedWeights>();
-  published->offer = {
-      .version = snapshot->version, .size_bytes = bytes.size(), .sha256 = Sha256(bytes)};
-  published->bytes.assign(bytes.begin(), bytes.end());
+  if (snapshot) {
+    const std::vector<std::uint8_t> bytes = Serialize(*snapshot);
+    if (bytes.size() > kMaxWeightsBytes) {
+      throw Error(
+          StrCat("weights of ", bytes.size(), " bytes; expected at most ", kMaxWeightsBytes));
+    }
+    published->offer = {
+        .version = snapshot->version, .size_bytes = bytes.size(), .sha256 = Sha256(bytes)};
+    published->bytes.assign(bytes.begin(), bytes.end());
+  }
   {
     const std::lock_guard lock(mutex_);
     newest_ = std::move(published);

@@ -87,8 +87,9 @@ class SessionServer {
   SessionServer(const SessionServer&) = delete;
   SessionServer& operator=(const SessionServer&) = delete;
 
-  // Offers these weights to every actor, now and later; versions ascend. Throws Error if they are
-  // too large for the wire.
+  // Offers these weights to every actor, now and later; versions ascend. Null: there are none yet,
+  // actors play by the uniform evaluator. Before the first call actors wait. Throws Error if the
+  // weights are too large for the wire.
   void Publish(const Snapshot& snapshot);
 
   // At most a tenth of a heartbeat old.

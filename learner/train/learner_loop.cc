@@ -150,7 +150,7 @@ LearnerLoop::Progress LearnerLoop::progress() const {
 void LearnerLoop::Run(const std::stop_token& stop) {
   log::Info("training", "device", trainer_->description(), "network", settings_.training.network);
   RestoreWindow();
-  if (version_ > 1 || settings_.initial_weights) Publish(trainer_->state(version_));
+  Publish(trainer_->state(version_));
   while (!stop.stop_requested() && !schedule_.finished()) {
     const Clock::time_point start = Clock::now();
     const auto games = NextGames(stop);
@@ -246,7 +246,8 @@ void LearnerLoop::Publish(const TrainerState& state) {
   std::ostringstream name;
   name << "version-" << std::setw(6) << std::setfill('0') << snapshot->version << ".weights";
   SaveSnapshot(*snapshot, (settings_.folder / "weights" / name.str()).string());
-  hooks_.publish(snapshot);
+  const bool untrained = snapshot->version == 1 && !settings_.initial_weights;
+  hooks_.publish(untrained ? nullptr : snapshot);
 }
 
 }  // namespace powderkeg

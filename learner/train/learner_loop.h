@@ -38,7 +38,8 @@ struct LearnerLoopSettings {
 
 // Both are called on the thread of Run.
 struct LearnerLoopHooks {
-  // New weights for the actors: once at the start of Run if there are any, then per iteration.
+  // New weights for the actors: once at the start of Run, null if there are none to play with yet,
+  // then per iteration.
   std::function<void(const Snapshot&)> publish = [](const Snapshot&) {};
   // After an iteration is complete and durable: a good moment to have the store merged (by the
   // store's own thread).
@@ -46,8 +47,8 @@ struct LearnerLoopHooks {
 };
 
 // Weights versions: 0 stands for no network (actors use the uniform evaluator); 1 for the weights
-// before the first iteration, which are published only if they were given; k + 1 for those after
-// iteration k.
+// before the first iteration, saved for comparison and published only if they were given; k + 1 for
+// those after iteration k.
 //
 // How to wire it:
 //   LearnerLoop loop(settings, hooks);                      // resumes from the newest checkpoint

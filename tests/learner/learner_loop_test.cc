@@ -67,13 +67,16 @@ TEST(LearnerLoop, TrainsIterationAfterIteration) {
   EXPECT_EQ(run.reports[0].score.games(), run.reports[0].games);
   EXPECT_EQ(run.reports[0].weights_lag, 0);
   EXPECT_EQ(run.reports[1].weights_lag, 1) << "all games were started before the first iteration";
-  ASSERT_EQ(run.published.size(), 2u);
-  EXPECT_EQ(run.published[0]->version, 2u);
-  EXPECT_EQ(run.published[1]->version, 3u);
-  EXPECT_EQ(run.published[1]->canary.states.size(), 8u);
+  ASSERT_EQ(run.published.size(), 3u);
+  EXPECT_EQ(run.published[0], nullptr) << "nothing to play with before the first iteration";
+  EXPECT_EQ(run.published[1]->version, 2u);
+  EXPECT_EQ(run.published[2]->version, 3u);
+  EXPECT_EQ(run.published[2]->canary.states.size(), 8u);
   EXPECT_EQ(LinesOf(folder.path() / "iterations.csv").size(), 3u);
   EXPECT_EQ(*LoadSnapshot((folder.path() / "weights" / "version-000003.weights").string()),
-            *run.published[1]);
+            *run.published[2]);
+  EXPECT_EQ(LoadSnapshot((folder.path() / "weights" / "version-000001.weights").string())->version,
+            1u);
 }
 
 TEST(LearnerLoop, TheOrderOfArrivalDoesNotMatter) {
@@ -98,8 +101,8 @@ TEST(LearnerLoop, ARestartGoesOnExactlyWhereItWas) {
   const RunLog last = RunLoop(SettingsFor(other_folder.path(), 4), games);
   ASSERT_EQ(last.published.size(), 2u) << "the weights of the checkpoint, then of iteration 4";
   EXPECT_EQ(last.published[0]->version, 4u);
-  EXPECT_EQ(last.published[0]->arrays, uninterrupted.published[2]->arrays);
-  EXPECT_EQ(*last.published[1], *uninterrupted.published[3]);
+  EXPECT_EQ(last.published[0]->arrays, uninterrupted.published[3]->arrays);
+  EXPECT_EQ(*last.published[1], *uninterrupted.published[4]);
   ASSERT_EQ(last.reports.size(), 1u);
   EXPECT_EQ(last.reports[0].decisions, uninterrupted.reports[3].decisions);
   EXPECT_EQ(LinesOf(other_folder.path() / "iterations.csv").size(), 5u);
@@ -122,7 +125,7 @@ TEST(LearnerLoop, AnIterationStoppedInTrainingIsRepeated) {
     trainer.RequestStop();
     trainer.Join();
   }
-  EXPECT_TRUE(stopped.published.empty());
+  EXPECT_THAT(stopped.published, testing::ElementsAre(nullptr));
   const RunLog resumed = RunLoop(SettingsFor(other_folder.path(), 2), games);
   EXPECT_EQ(*resumed.published.back(), *uninterrupted.published.back());
 }
