@@ -231,9 +231,11 @@ void BindTraining(Binder& binder, Config& config) {
   binder.Number("epochs", config.epochs, {0, 1000, /*above=*/true});
   binder.Number("batch_size", config.batch_size, {1, 1 << 20});
   binder.Number("learning_rate", config.learning_rate, {0, 10, /*above=*/true});
+  binder.Number("final_learning_rate", config.final_learning_rate, {0, 10});
   binder.Number("weight_decay", config.weight_decay, {0, 1});
   binder.Number("value_weight", config.value_weight, {0, 1});
   binder.Number("target_argmax_weight", config.target_argmax_weight, {0, 1});
+  binder.Number("target_search_value_weight", config.target_search_value_weight, {0, 1});
   binder.Number("threads", config.threads, {1, 1024});
   binder.Choice("device", config.device, {"auto", "cpu", "cuda"});
   binder.Number("checkpoints_kept", config.checkpoints_kept, {1, 1000});

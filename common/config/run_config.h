@@ -39,10 +39,13 @@ struct TrainingConfig {
   int window_datasets = 4;  // epochs run over the data sets of the last M iterations
   double epochs = 2.0;      // over the window, per iteration
   int batch_size = 256;
-  double learning_rate = 1e-3;
+  double learning_rate = 1e-3;  // of the first iteration
+  // Of the last iteration; between them it falls by equal factors. 0: it stays as it is.
+  double final_learning_rate = 0;
   double weight_decay = 1e-4;
   double value_weight = 0.1;          // alpha: loss = alpha (z - v)^2 - (1 - alpha) pi^T log p
   double target_argmax_weight = 0.5;  // pi' = (1 - w) pi + w onehot(argmax pi)
+  double target_search_value_weight = 0;  // z' = (1 - w) z + w q, q the root's value in the search
   int threads = 1;
   std::string device = "auto";  // auto | cpu | cuda
   int checkpoints_kept = 3;

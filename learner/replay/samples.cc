@@ -16,7 +16,8 @@ void AddPosition(void* context, const State& state, const Decision& decision, Ac
   const auto& [game, data_set] = *static_cast<Replay*>(context);
   Sample& sample = data_set.samples.emplace_back(
       state, decision.visits, decision.agent,
-      static_cast<std::int8_t>(OutcomeFor(game, static_cast<AgentId>(decision.agent))));
+      static_cast<std::int8_t>(OutcomeFor(game, static_cast<AgentId>(decision.agent))),
+      decision.value);
   sample.state.RemoveItems(state.HiddenItems());
   ++data_set.summary.actions[static_cast<std::size_t>(action)];
 }

@@ -18,6 +18,7 @@ struct Sample {
   std::array<std::uint16_t, kActionCount> visits;  // policy target, not all 0
   std::uint8_t viewer;                             // the agent that decided
   std::int8_t outcome;                             // +1 win, 0 tie, -1 loss of the viewer
+  float search_value;                              // of the search's root, the viewer's view
 };
 
 // How the searching agents of some games fared.

@@ -32,7 +32,7 @@ std::array<float, kActionCount> PolicyTarget(const std::array<std::uint16_t, kAc
   return target;
 }
 
-void BuildBatch(const GameSettings& settings, double argmax_weight,
+void BuildBatch(const GameSettings& settings, const TargetSettings& targets,
                 std::span<const Sample* const> samples, Rng& rng, TrainingBatch& batch) {
   batch.size = samples.size();
   batch.planes.resize(samples.size() * kPlanesSize);
@@ -45,13 +45,15 @@ void BuildBatch(const GameSettings& settings, double argmax_weight,
     const std::span planes(batch.planes.data() + i * kPlanesSize, kPlanesSize);
     EncodeState(settings, symmetry == 0 ? sample.state : Transform(symmetry, sample.state),
                 sample.viewer, planes.first<kPlanesSize>());
-    const auto target = PolicyTarget(sample.visits, argmax_weight);
+    const auto target = PolicyTarget(sample.visits, targets.argmax_weight);
     float* const policy = batch.policies.data() + i * kActionCount;
     for (std::size_t action = 0; action < target.size(); ++action) {
       policy[static_cast<std::size_t>(Transform(symmetry, static_cast<Action>(action)))] =
           target[action];
     }
-    batch.values[i] = static_cast<float>(sample.outcome);
+    const auto search_weight = static_cast<float>(targets.search_value_weight);
+    batch.values[i] = (1 - search_weight) * static_cast<float>(sample.outcome) +
+                      search_weight * sample.search_value;
   }
 }
 

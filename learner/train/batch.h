@@ -17,7 +17,13 @@ struct TrainingBatch {
   std::size_t size = 0;
   std::vector<float> planes;    // [size, 23, 11, 11]
   std::vector<float> policies;  // [size, 6], each row a distribution
-  std::vector<float> values;    // [size], -1, 0 or +1: the outcome for the viewer
+  std::vector<float> values;    // [size], -1 to +1, the viewer's view
+};
+
+// How targets are mixed; weights from 0 to 1.
+struct TargetSettings {
+  double argmax_weight = 0;        // of onehot(argmax pi) in the policy's target
+  double search_value_weight = 0;  // of the search's root value in the value's target, beside z
 };
 
 // pi' = (1 - weight) pi + weight onehot(argmax pi), where pi is the visits' distribution; the
@@ -27,7 +33,7 @@ struct TrainingBatch {
 
 // Fills `batch` with the samples, each turned by its own random symmetry of the square (boards
 // smaller than 11x11 stay as they are).
-void BuildBatch(const GameSettings& settings, double argmax_weight,
+void BuildBatch(const GameSettings& settings, const TargetSettings& targets,
                 std::span<const Sample* const> samples, Rng& rng, TrainingBatch& batch);
 
 }  // namespace powderkeg

@@ -1,11 +1,19 @@
 #include "learner/train/schedule.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "common/base/check.h"
 
 namespace powderkeg {
+
+double LearningRateOf(const TrainingConfig& training, int iteration) {
+  if (training.final_learning_rate == 0 || training.iterations < 2) return training.learning_rate;
+  const double progress = (iteration - 1.0) / (training.iterations - 1.0);
+  return training.learning_rate *
+         std::pow(training.final_learning_rate / training.learning_rate, progress);
+}
 
 Schedule::Schedule(int iterations, std::uint64_t decisions_per_iteration, int window_data_sets,
                    std::vector<TicketRange> data_sets)

@@ -7,9 +7,14 @@
 #include <span>
 #include <vector>
 
+#include "common/config/run_config.h"
 #include "learner/replay/prefix.h"
 
 namespace powderkeg {
+
+// The learning rate of iteration k (from 1): from learning_rate to final_learning_rate by equal
+// factors, or constant.
+[[nodiscard]] double LearningRateOf(const TrainingConfig& training, int iteration);
 
 // Iteration k (from 1) trains on the data sets k - window + 1 to k; its data set is taken when it
 // starts. A value; one thread.

@@ -265,12 +265,19 @@ Trainer::Trainer(const TrainerSettings& settings, const TrainerState& state) {
 
 Trainer::~Trainer() = default;
 
+void Trainer::SetLearningRate(double learning_rate) {
+  for (torch::optim::OptimizerParamGroup& group : implementation_->optimizer.param_groups()) {
+    static_cast<AdamWOptions&>(group.options()).lr(learning_rate);
+  }
+}
+
 TrainingResult Trainer::Train(const ReplayWindow& window, Rng rng, const std::stop_token& stop,
                               const std::function<void(const TrainingProgress&)>& progress) {
   CHECK(window.size() > 0);
   Implementation& trainer = *implementation_;
   const TrainingConfig& training = trainer.settings.training;
   InitialiseTorch(training.threads);
+  const TargetSettings targets{training.target_argmax_weight, training.target_search_value_weight};
   const auto batch_size = static_cast<std::size_t>(training.batch_size);
   const double wanted = training.epochs * static_cast<double>(window.size());
   const auto batches = static_cast<std::uint64_t>(
@@ -283,7 +290,7 @@ TrainingResult Trainer::Train(const ReplayWindow& window, Rng rng, const std::st
   trainer.network->train();
   for (; done < batches && !stop.stop_requested(); ++done) {
     stream.Next(samples);
-    BuildBatch(trainer.settings.game, training.target_argmax_weight, samples, rng, trainer.batch);
+    BuildBatch(trainer.settings.game, targets, samples, rng, trainer.batch);
     trainer.Step(losses);
     if (progress) progress({(done + 1) * batch_size, batches * batch_size});
   }

@@ -29,7 +29,7 @@ struct TrainerSettings {
 struct TrainingResult {
   double total_loss = 0;       // alpha * value_loss + (1 - alpha) * policy_loss
   double policy_loss = 0;      // cross entropy with the policy target, over all six actions
-  double value_loss = 0;       // (z - v)^2
+  double value_loss = 0;       // (z' - v)^2
   double policy_accuracy = 0;  // how often the best action is the target's
   std::uint64_t samples = 0;
   double samples_per_s = 0;
@@ -41,7 +41,7 @@ struct TrainingProgress {
   std::uint64_t samples = 0;
 };
 
-// Owns network and optimizer (AdamW, constant learning rate). One thread; uses the threads of
+// Owns network and optimizer (AdamW). One thread; uses the threads of
 // LibTorch that the settings say. On the CPU in fp32, equal calls give equal weights bit for bit.
 class Trainer {
  public:
@@ -50,6 +50,9 @@ class Trainer {
   ~Trainer();
   Trainer(const Trainer&) = delete;
   Trainer& operator=(const Trainer&) = delete;
+
+  // Of the calls of Train from now on; at first that of the settings.
+  void SetLearningRate(double learning_rate);
 
   // Trains for settings.epochs passes over the window, each in a new random order, in whole
   // batches (at least one). Calls `progress` after every batch. Requires a window that is not

@@ -54,7 +54,7 @@ TEST(Batch, SamplesAreTurnedAsAWhole) {
   const std::vector<const Sample*> same(200, &sample);
   Rng rng(4);
   TrainingBatch batch;
-  BuildBatch(GameSettings{}, 0.5, same, rng, batch);
+  BuildBatch(GameSettings{}, {.argmax_weight = 0.5}, same, rng, batch);
   ASSERT_EQ(batch.size, same.size());
   const auto target = PolicyTarget(sample.visits, 0.5);
   std::set<Symmetry> seen;
@@ -85,7 +85,7 @@ TEST(Batch, SmallBoardsAreNotTurned) {
   const std::vector<const Sample*> same(20, &sample);
   Rng rng(4);
   TrainingBatch batch;
-  BuildBatch(settings, 0.5, same, rng, batch);
+  BuildBatch(settings, {.argmax_weight = 0.5}, same, rng, batch);
   for (std::size_t i = 1; i < batch.size; ++i) {
     EXPECT_TRUE(std::equal(batch.planes.begin(), batch.planes.begin() + kPlanesSize,
                            batch.planes.begin() + static_cast<long>(i) * kPlanesSize));
@@ -100,8 +100,8 @@ TEST(Batch, EqualGeneratorsGiveEqualBatches) {
   TrainingBatch second;
   Rng rng(9);
   Rng same(9);
-  BuildBatch(GameSettings{}, 0.5, pointers, rng, first);
-  BuildBatch(GameSettings{}, 0.5, pointers, same, second);
+  BuildBatch(GameSettings{}, {.argmax_weight = 0.5}, pointers, rng, first);
+  BuildBatch(GameSettings{}, {.argmax_weight = 0.5}, pointers, same, second);
   EXPECT_EQ(first.planes, second.planes);
   EXPECT_EQ(first.policies, second.policies);
 }

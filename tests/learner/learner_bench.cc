@@ -61,7 +61,7 @@ void BuildBatches(benchmark::State& state) {
   for (std::size_t i = 0; i < 256; ++i) samples.push_back(&window[i % window.size()]);
   Rng rng(1);
   TrainingBatch batch;
-  for (auto _ : state) BuildBatch(GameSettings{}, 0.5, samples, rng, batch);
+  for (auto _ : state) BuildBatch(GameSettings{}, {.argmax_weight = 0.5}, samples, rng, batch);
   state.SetItemsProcessed(state.iterations() * 256);
 }
 BENCHMARK(BuildBatches)->Unit(benchmark::kMicrosecond)->Name("batch of 256, samples");
