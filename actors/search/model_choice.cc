@@ -13,7 +13,19 @@ constexpr int kInitialLead = 1 << 13;  // of the model assumed at first
 
 }  // namespace
 
-void ModelChoice::Start(Memory memory, Rng rng) {
+void TakeIn(ModelMemory kind, PolicyKind policy, const PolicyView& view, const State& after,
+            const PolicyTraits& traits, PolicyMemory& memory, Rng& rng) {
+  const auto id = static_cast<std::size_t>(view.self);
+  switch (kind) {
+    case ModelMemory::kReset: break;
+    case ModelMemory::kSynchronized:
+      ObserveMove(policy, view.state.agents[id].cell, after.agents[id].cell, memory);
+      break;
+    case ModelMemory::kInferred: ObserveStep(policy, view, after, traits, memory, rng); break;
+  }
+}
+
+void ModelChoice::Start(ModelMemory memory, Rng rng) {
   memory_ = memory;
   rng_ = rng;
   candidates_ = {Candidate{PolicyKind::kSimpleUnbiased, {}, kInitialLead},
@@ -22,16 +34,13 @@ void ModelChoice::Start(Memory memory, Rng rng) {
 }
 
 void ModelChoice::Observe(const PolicyView& view, const PolicyTraits& traits, const State& after) {
-  const auto id = static_cast<std::size_t>(view.self);
   Action seen = Action::kStop;
   if (!SeenAction(view.state, after, view.self, seen)) seen = Action::kStop;
   for (Candidate& candidate : candidates_) {
     PolicyMemory memory = candidate.memory;
     const bool foretold = Decide(candidate.policy, view, traits, memory, rng_) == seen;
     candidate.score += ((foretold ? kFullScore : 0) - candidate.score) / kMemorySpan;
-    if (memory_ == Memory::kReset) continue;
-    ObserveMove(candidate.policy, view.state.agents[id].cell, after.agents[id].cell,
-                candidate.memory);
+    TakeIn(memory_, candidate.policy, view, after, traits, candidate.memory, rng_);
   }
 }
 

@@ -4,17 +4,22 @@
 
 #include <array>
 
+#include "actors/search/search_settings.h"
 #include "common/base/rng.h"
 #include "common/policies/policy.h"
 #include "common/pommerman/state.h"
 
 namespace powderkeg {
 
+// What a model remembers of view.self after one real step, by the kind of memory: nothing, the
+// positions where the agent was seen, or what the policy would remember after an action that
+// explains what was seen.
+void TakeIn(ModelMemory kind, PolicyKind policy, const PolicyView& view, const State& after,
+            const PolicyTraits& traits, PolicyMemory& memory, Rng& rng);
+
 // Lets every candidate foretell every observed decision and keeps the score. A value; one thread.
 class ModelChoice {
  public:
-  enum class Memory { kReset, kSynchronized };
-
   struct Candidate {
     PolicyKind policy = PolicyKind::kIdle;
     PolicyMemory memory;
@@ -23,7 +28,7 @@ class ModelChoice {
   };
 
   // Begins a game. The first candidate, SimpleUnbiased, is assumed until another one did better.
-  void Start(Memory memory, Rng rng);
+  void Start(ModelMemory memory, Rng rng);
 
   // Takes in that view.self, having seen `view`, did what leads to `after`.
   void Observe(const PolicyView& view, const PolicyTraits& traits, const State& after);
@@ -31,7 +36,7 @@ class ModelChoice {
   [[nodiscard]] const Candidate& best() const;
 
  private:
-  Memory memory_ = Memory::kSynchronized;
+  ModelMemory memory_ = ModelMemory::kSynchronized;
   Rng rng_;
   std::array<Candidate, 3> candidates_;
 };

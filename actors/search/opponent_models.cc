@@ -26,9 +26,7 @@ void OpponentModels::StartGame(const SearchSettings& settings, const GameSetting
   memory_ = settings.memory;
   game_ = game;
   self_ = self;
-  others_ = {};
-  const auto memory = memory_ == ModelMemory::kReset ? ModelChoice::Memory::kReset
-                                                     : ModelChoice::Memory::kSynchronized;
+  others_.fill(Other());
   for (int i = 1; i < kAgentCount; ++i) {
     const auto id = static_cast<std::size_t>((self + i) % kAgentCount);
     const OpponentModel assumed = settings.opponents[static_cast<std::size_t>(i - 1)];
@@ -38,7 +36,8 @@ void OpponentModels::StartGame(const SearchSettings& settings, const GameSetting
     other.model.policy = PolicyOf(assumed);
     other.model.traits = PolicyTraits::Draw(rng);
     other.chooses = assumed == OpponentModel::kObserved;
-    other.choice.Start(memory, rng.Split(kAgentCount + id));
+    other.choice.Start(memory_, rng.Split(kAgentCount + id));
+    other.rng = rng.Split(2 * kAgentCount + id);
     other.orders.Start(other.model.traits, rng.Split(id));
   }
 }
@@ -66,9 +65,8 @@ void OpponentModels::ObserveAgent(const PolicyView& view, const State& after, Ot
     other.choice.Observe(view, model.traits, after);
     model.policy = other.choice.best().policy;
     model.memory = other.choice.best().memory;
-  } else if (memory_ != ModelMemory::kReset) {
-    const auto id = static_cast<std::size_t>(view.self);
-    ObserveMove(model.policy, view.state.agents[id].cell, after.agents[id].cell, model.memory);
+  } else {
+    TakeIn(memory_, model.policy, view, after, model.traits, model.memory, other.rng);
   }
 }
 

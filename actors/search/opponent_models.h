@@ -51,6 +51,7 @@ class OpponentModels {
     bool chooses = false;   // the policy is chosen by `choice`
     ModelChoice choice;     // where it is
     OrderInference orders;  // where the memory setting is kInferred
+    Rng rng = Rng(0);       // of guesses about its memory
   };
   void ObserveAgent(const PolicyView& view, const State& after, Other& other) const;
 

@@ -14,6 +14,9 @@ namespace {
 
 constexpr ActionSet kAllActions = (1U << kActionCount) - 1;
 constexpr NodeIndex kRoot = 0;
+// Of one Gather, so that it returns to a caller who watches a clock also where all simulations end
+// in outcomes and ask nothing.
+constexpr int kMostSimulations = 256;
 constexpr float kWin = 1;
 constexpr float kLoss = -1;
 constexpr float kOwnDeathInTeam = -0.5F;
@@ -123,10 +126,11 @@ bool Search::Gather(EvaluationBatch& batch) {
     return true;
   }
   const auto most = static_cast<std::size_t>(settings_.leaves_per_batch);
-  while (started_ < settings_.simulations && pending_.size() < most) {
+  const int pause = std::min(settings_.simulations, started_ + kMostSimulations);
+  while (started_ < pause && pending_.size() < most) {
     if (!Simulate(batch)) break;
   }
-  return !pending_.empty();
+  return !pending_.empty() || started_ < settings_.simulations;
 }
 
 bool Search::Simulate(EvaluationBatch& batch) {

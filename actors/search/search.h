@@ -53,7 +53,8 @@ class Search {
   // reuse, continues the previous tree if it foresaw this position.
   void Start(const State& root, const OpponentModels& models, Rng rng);
 
-  // Runs simulations until one needs an evaluation; adds what it needs to the batch. False when the
+  // Runs simulations until leaves_per_batch of them need an evaluation, 256 at most; adds what they
+  // need to the batch, which is nothing where all of them met the end of the game. False when the
   // search is finished: then nothing was added. Requires that earlier answers were scattered.
   bool Gather(EvaluationBatch& batch);
 

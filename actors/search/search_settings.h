@@ -40,7 +40,7 @@ enum class OpponentModel : std::uint8_t {
 enum class ModelMemory : std::uint8_t {
   kReset,         // nothing: empty at every move (as published)
   kSynchronized,  // the positions where the opponent was seen
-  kInferred,      // those, and its hidden orders as its actions so far reveal them
+  kInferred,      // what explains its actions so far: what it remembers, and its hidden orders
 };
 
 // A value. The defaults are this project's best; PaperSettings() are the published ones.

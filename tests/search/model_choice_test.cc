@@ -18,7 +18,7 @@ PolicyKind ChosenAgainst(PolicyKind kind, int steps, std::uint64_t seed) {
   std::array<PolicyMemory, kAgentCount> memories;
   for (PolicyTraits& drawn : traits) drawn = PolicyTraits::Draw(rng);
   ModelChoice choice;
-  choice.Start(ModelChoice::Memory::kSynchronized, Rng(seed + 1));
+  choice.Start(ModelMemory::kSynchronized, Rng(seed + 1));
   State state = KnownStart(seed);
   for (int step = 0; step < steps && state.agents[1].alive; ++step) {
     JointAction actions{};
@@ -45,13 +45,13 @@ TEST(ModelChoice, RecognisesEveryCandidate) {
 
 TEST(ModelChoice, AssumesSimpleUnbiasedAtFirst) {
   ModelChoice choice;
-  choice.Start(ModelChoice::Memory::kSynchronized, Rng(1));
+  choice.Start(ModelMemory::kSynchronized, Rng(1));
   EXPECT_EQ(choice.best().policy, PolicyKind::kSimpleUnbiased);
 }
 
 TEST(ModelChoice, ResetMemoryStaysEmpty) {
   ModelChoice choice;
-  choice.Start(ModelChoice::Memory::kReset, Rng(1));
+  choice.Start(ModelMemory::kReset, Rng(1));
   const State state = KnownStart(1);
   choice.Observe({state, GameSettings{}, 1}, PolicyTraits{}, state);
   EXPECT_EQ(choice.best().memory, PolicyMemory());
