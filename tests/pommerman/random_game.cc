@@ -20,10 +20,11 @@ Cell RandomCell(BitBoard cells, Rng& rng) {
   return cells.First();
 }
 
-// A wall in five is taken away, and some wood.
-void OpenUp(Rng& rng, State& state) {
+// Takes away two walls of three and as much wood; what lies off a small board stays wall.
+void OpenUp(int board_size, Rng& rng, State& state) {
   for (BitBoard* cells : {&state.rigid, &state.wood}) {
     ForEachCell(*cells, [&](Cell cell) {
+      if (RowOf(cell) >= board_size || ColumnOf(cell) >= board_size) return;
       if (rng.Below(3) == 0) return;
       cells->Remove(cell);
       state.RemoveItems(BitBoard::Of(cell));
@@ -60,8 +61,7 @@ Action RandomAction(Rng& rng) {
 
 void PlayGame(const GameSettings& settings, State state, Rng rng, const StepVisitor& visit) {
   for (bool done = false; !done && !testing::Test::HasFatalFailure();) {
-    JointAction actions;
-    for (Action& action : actions) action = RandomAction(rng);
+    const JointAction actions = RandomActions(rng);
     const State before = state;
     done = Advance(settings, actions, state).done;
     visit(settings, before, actions, state);
@@ -73,7 +73,7 @@ void PlayGame(const GameSettings& settings, State state, Rng rng, const StepVisi
 State CrowdedStart(const GameSettings& settings, std::uint64_t seed) {
   Rng rng(seed);
   State state = GenerateStart(settings, StartSettings{}, rng.Split(0));
-  OpenUp(rng, state);
+  OpenUp(settings.board_size, rng, state);
   for (AgentState& agent : state.agents) {
     agent.cell = static_cast<std::uint8_t>(RandomCell(state.Walkable() & ~state.Items(), rng));
   }
@@ -84,14 +84,23 @@ State CrowdedStart(const GameSettings& settings, std::uint64_t seed) {
   return state;
 }
 
+State RandomStart(const GameSettings& settings, std::uint64_t seed) {
+  return seed % 2 == 0 ? CrowdedStart(settings, seed)
+                       : GenerateStart(settings, StartSettings{}, Rng(seed));
+}
+
+JointAction RandomActions(Rng& rng) {
+  JointAction actions;
+  for (Action& action : actions) action = RandomAction(rng);
+  return actions;
+}
+
 void ForEachRandomStep(int games_per_setting, const StepVisitor& visit) {
   for (const char* environment : kEnvironments) {
     const GameSettings settings = GameSettingsFor(environment).value();
     for (int game = 0; game < games_per_setting; ++game) {
       const auto seed = static_cast<std::uint64_t>(game);
-      const State start = game % 2 == 0 ? CrowdedStart(settings, seed)
-                                        : GenerateStart(settings, StartSettings{}, Rng(seed));
-      PlayGame(settings, start, Rng(seed).Split(1), visit);
+      PlayGame(settings, RandomStart(settings, seed), Rng(seed).Split(1), visit);
       if (testing::Test::HasFatalFailure()) return;
     }
   }

@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "common/base/rng.h"
 #include "common/pommerman/game_settings.h"
 #include "common/pommerman/state.h"
 #include "common/pommerman/step.h"
@@ -13,6 +14,12 @@ namespace powderkeg {
 // A start position with an open board, many bombs and kickers, so that random play meets kicks,
 // rolling bombs and chains of explosions. A function of the seed.
 [[nodiscard]] State CrowdedStart(const GameSettings& settings, std::uint64_t seed);
+
+// A crowded start for even seeds, an official one for odd seeds.
+[[nodiscard]] State RandomStart(const GameSettings& settings, std::uint64_t seed);
+
+// Moves more often than bombs, so that games last.
+[[nodiscard]] JointAction RandomActions(Rng& rng);
 
 using StepVisitor = std::function<void(const GameSettings& settings, const State& before,
                                        const JointAction& actions, const State& after)>;
