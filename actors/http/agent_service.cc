@@ -7,11 +7,15 @@
 
 #include "common/base/check.h"
 #include "common/base/log.h"
+#include "common/pommerman/generate.h"
 
 namespace powderkeg {
 namespace {
 
 using Json = nlohmann::json;
+
+// A search that asks for 8 leaves at a time may add as many questions for its models.
+constexpr int kLargestBatch = 16;
 
 ServiceReply Success() { return {.body = Json{{"success", true}}.dump()}; }
 
@@ -28,6 +32,17 @@ AgentService::AgentService(std::unique_ptr<Agent> agent, std::shared_ptr<Evaluat
                            const ServiceSettings& settings)
     : settings_(settings), agent_(std::move(agent)), evaluator_(std::move(evaluator)) {
   CHECK(agent_ != nullptr && evaluator_ != nullptr);
+  if (settings_.move_time.count() > 0) WarmUp();
+}
+
+void AgentService::WarmUp() {
+  const State start = GenerateStart({}, {}, Rng(settings_.seed));
+  for (int size = 1; size <= kLargestBatch; ++size) {
+    batch_.Clear();
+    for (int i = 0; i < size; ++i) batch_.Add({.state = &start, .viewer = 0});
+    evaluator_->Evaluate({}, batch_.positions(), batch_.AllocateEvaluations());
+  }
+  batch_.Clear();
 }
 
 ServiceReply AgentService::Ping() const { return Success(); }

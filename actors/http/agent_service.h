@@ -26,8 +26,9 @@ struct ServiceReply {
 };
 
 struct ServiceSettings {
-  // From the arrival of a request for an action to its answer; 0: as long as the search takes. At
-  // least one evaluation is waited for.
+  // From the arrival of a request for an action to its answer; 0: as long as the search takes. No
+  // round of questions begins that would, as long as the longest so far, end later; but one is
+  // always waited for.
   std::chrono::milliseconds move_time{0};
   std::uint64_t seed = 1;
 };
@@ -48,6 +49,8 @@ class AgentService {
  public:
   using Clock = std::chrono::steady_clock;
 
+  // Under a clock the evaluator answers batches of every size that will be asked before the first
+  // game: it may have to prepare itself for each of them.
   AgentService(std::unique_ptr<Agent> agent, std::shared_ptr<Evaluator> evaluator,
                const ServiceSettings& settings);
 
@@ -73,6 +76,7 @@ class AgentService {
     MateTracker mate;
   };
 
+  void WarmUp();
   [[nodiscard]] ServiceReply Refused(int status, std::string_view reason);
   // Why the request does not fit the last InitAgent; empty if it does.
   [[nodiscard]] std::string Conflict(const ActionRequest& request) const;

@@ -37,14 +37,16 @@ class Agent {
   // game is given, in order.
   virtual void Begin(const Observation& observation) = 0;
 
-  // True: questions were added to the batch and Scatter must follow. False: the move is decided and
-  // nothing was added. The positions asked about stay in place until Scatter.
+  // True: the agent goes on thinking and Scatter must follow; its questions, if there are any, were
+  // added to the batch. False: the move is decided and nothing was added. The positions asked about
+  // stay in place until Scatter.
   virtual bool Gather(EvaluationBatch& batch) = 0;
 
   // Takes the answers to the questions of the last Gather.
   virtual void Scatter(const EvaluationBatch& batch) = 0;
 
-  // The move. Requires that Gather returned false since the last Begin.
+  // The move. Requires that Gather returned false since the last Begin, or that Scatter was the
+  // last call (a clock ran out): then it is the best move found so far.
   [[nodiscard]] virtual Action action() const = 0;
 
   // What the search found for the last move (without weights_version, which the agent cannot know);

@@ -13,8 +13,7 @@
 namespace powderkeg {
 
 // Observation -> Belief -> Search, the opponent models carried through the game. The tree is
-// allocated with the first game and kept. Beyond the interface: once the first answers were
-// scattered, action() and the rest may be asked before the search has ended (a clock ran out).
+// allocated with the first game and kept.
 class SearchAgent final : public Agent {
  public:
   explicit SearchAgent(const SearchSettings& settings, const BeliefSettings& belief = {});

@@ -1,7 +1,6 @@
 #include "tests/http/official_runner.h"
 
 #include <arpa/inet.h>
-#include <httplib.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -10,34 +9,18 @@
 #include "common/pommerman/generate.h"
 #include "common/pommerman/observation.h"
 #include "common/pommerman/step.h"
-#include "tests/http/runner_json.h"
 
 namespace powderkeg {
-namespace {
-
-using Json = nlohmann::json;
-
-// Whether the environment would take this as an action.
-bool Acceptable(const Json& action, Mode mode) {
-  const auto number = [](const Json& value, int most) {
-    return value.is_number_integer() && value >= 0 && value <= most;
-  };
-  if (mode != Mode::kTeamRadio) return number(action, kActionCount - 1);
-  return action.is_array() && action.size() == 3 && number(action[0], kActionCount - 1) &&
-         number(action[1], 8) && number(action[2], 8);
-}
-
-}  // namespace
-
 OfficialRunner::OfficialRunner(const GameSettings& settings,
                                const std::array<int, kAgentCount>& ports)
-    : settings_(settings), ports_(ports) {}
+    : settings_(settings) {
+  for (const int port : ports) clients_.emplace_back(StrCat("http://127.0.0.1:", port));
+}
 
 void OfficialRunner::Start() {
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
-    httplib::Client client("127.0.0.1", ports_[agent]);
-    if (!client.Get("/ping")) Fail(agent, "no answer to /ping");
-    (void)Post(agent, "/init_agent", InitBody(agent, settings_.mode));
+    Note(agent, clients_[agent].Ping());
+    Note(agent, clients_[agent].Initialise(agent, settings_.mode));
   }
   started_ = true;
 }
@@ -60,43 +43,28 @@ GameReport OfficialRunner::PlayGame(std::uint64_t seed, int max_steps) {
     outcome = OutcomeOf(settings_, state);
   }
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
-    (void)Post(agent, "/episode_end", R"({"reward": "-1"})");
+    Note(agent, clients_[agent].EndEpisode(/*reward=*/-1));
   }
   return {.steps = state.step, .failure = failure_};
 }
 
 void OfficialRunner::Close() {
-  for (AgentId agent = 0; agent < kAgentCount; ++agent) (void)Post(agent, "/shutdown", "{}");
+  for (AgentId agent = 0; agent < kAgentCount; ++agent) Note(agent, clients_[agent].Shutdown());
 }
 
 Action OfficialRunner::Ask(AgentId agent, const State& state, Message& words) {
-  const std::string answer =
-      Post(agent, "/action", ActionBody(settings_, Observe(settings_, state, agent)));
-  const Json reply = Json::parse(answer, nullptr, /*allow_exceptions=*/false);
-  if (!reply.is_object() || !reply.contains("action") ||
-      !Acceptable(reply["action"], settings_.mode)) {
-    Fail(agent, "no action: " + answer);
-    return Action::kStop;
-  }
-  const Json& played = reply["action"];
-  if (played.is_array()) words = {played[1].get<std::uint8_t>(), played[2].get<std::uint8_t>()};
-  const int action = played.is_array() ? played[0].get<int>() : played.get<int>();
+  const RunnerMove move = clients_[agent].Act(settings_, Observe(settings_, state, agent));
+  Note(agent, move.failure);
+  words = move.words;
+  const int action = static_cast<int>(move.action);
   if (legal_[agent] && (LegalActions(state, agent) >> action & 1) == 0) {
-    Fail(agent, "illegal action " + answer);
+    Note(agent, StrCat("illegal action ", action));
   }
-  return static_cast<Action>(action);
+  return move.action;
 }
 
-std::string OfficialRunner::Post(AgentId agent, const char* path, const std::string& body) {
-  httplib::Client client("127.0.0.1", ports_[agent]);
-  const auto result = client.Post(path, body, "application/json");
-  if (result && result->status == 200) return result->body;
-  Fail(agent, StrCat(path, ": ", result ? result->body : to_string(result.error())));
-  return {};
-}
-
-void OfficialRunner::Fail(AgentId agent, const std::string& what) {
-  if (failure_.empty()) failure_ = StrCat("agent ", agent, ": ", what);
+void OfficialRunner::Note(AgentId agent, const std::string& failure) {
+  if (!failure.empty() && failure_.empty()) failure_ = StrCat("agent ", agent, ": ", failure);
 }
 
 int Connect(int port) {

@@ -4,9 +4,11 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "common/pommerman/game_settings.h"
 #include "common/pommerman/state.h"
+#include "tests/http/official_client.h"
 
 namespace powderkeg {
 
@@ -35,12 +37,11 @@ class OfficialRunner {
   void Start();
   // The action and, in radio games, the message of an agent; kStop after a failure.
   Action Ask(AgentId agent, const State& state, Message& words);
-  // The body of the answer; notes a failure if there is none.
-  std::string Post(AgentId agent, const char* path, const std::string& body);
-  void Fail(AgentId agent, const std::string& what);
+  // Keeps the first failure.
+  void Note(AgentId agent, const std::string& failure);
 
   GameSettings settings_;
-  std::array<int, kAgentCount> ports_;
+  std::vector<OfficialClient> clients_;  // by agent
   std::array<bool, kAgentCount> legal_{};
   bool started_ = false;
   std::string failure_;

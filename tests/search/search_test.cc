@@ -337,6 +337,24 @@ TEST(Search, AnswersBeforeTheEndToo) {
   EXPECT_EQ(search.Result().best, Action::kRight);
 }
 
+// Agent 0 dies whatever it does: no simulation asks for anything. Somebody with a clock wants to
+// hear of it all the same.
+TEST(Search, PausesWhereAllSimulationsEndInOutcomes) {
+  Search search(Quiet(1000), {});
+  UniformEvaluator evaluator;
+  search.Start(FromText(kDoomed), ModelsAtStart(Quiet(1000), 0), Rng(1));
+  EvaluationBatch batch;
+  std::vector<int> simulations;
+  while (search.Gather(batch)) {
+    evaluator.Evaluate({}, batch.positions(), batch.AllocateEvaluations());
+    search.Scatter(batch);
+    batch.Clear();
+    simulations.push_back(search.Result().simulations);
+  }
+  EXPECT_THAT(simulations, testing::ElementsAre(0, 256, 512, 768));
+  EXPECT_EQ(search.Result().simulations, 1000);
+}
+
 TEST(Search, ExploratoryStartsVisitEveryLegalAction) {
   SearchSettings settings = Quiet(300);
   settings.exploratory_start = 1;
