@@ -110,6 +110,8 @@ class Display {
     }
   }
 
+  static void ShowLine(const std::string& line) { std::cout << line << std::endl; }
+
   void ShowIteration(const IterationReport& report) {
     Clear();
     if (lines_++ % 20 == 0) std::cout << TableHeader() << '\n';
@@ -173,6 +175,9 @@ class Learner {
         settings, ListenZmq({options.listen, keys, options.insecure}),
         [this](std::vector<GameRecord> games) { Append(std::move(games)); }, known);
     log::Info("listening", "endpoint", server_->endpoint(), "keys", keys ? "yes" : "no");
+    Display::ShowLine(StrCat(options.run_dir.string(), ": ", loop_.progress().iteration, " of ",
+                             config_.training.iterations, " iterations done, ", known.size(),
+                             " games stored; actors connect to ", server_->endpoint()));
   }
 
   // Returns when every iteration is done or a signal came. Throws Error.
@@ -188,7 +193,10 @@ class Learner {
     trainer.RequestStop();
     server_->Stop({complete ? "the run is complete" : "the learner stops", complete});
     trainer.Join();
-    log::Info(complete ? "run complete" : "stopped", "iterations_done", loop_.progress().iteration);
+    const int done = loop_.progress().iteration;
+    log::Info(complete ? "run complete" : "stopped", "iterations_done", done);
+    Display::ShowLine(StrCat(complete ? "run complete" : "stopped", ": ", done, " of ",
+                             config_.training.iterations, " iterations done"));
   }
 
  private:
@@ -255,7 +263,8 @@ int Main(int argc, char** argv) {
   std::signal(SIGHUP, [](int) { stop_signal = 1; });
   try {
     std::filesystem::create_directories(options.run_dir / "log");
-    log::Init((options.run_dir / "log" / "learner.log").string(), log::LevelFor(options.log_level));
+    log::Init((options.run_dir / "log" / "learner.log").string(), log::LevelFor(options.log_level),
+              /*console=*/log::Level::kWarn);  // the display shows the rest
     Learner(options).Run();
     return 0;
   } catch (const Error& error) {

@@ -3,6 +3,7 @@
 #include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -29,11 +30,14 @@ spdlog::level::level_enum SpdlogLevel(Level level) {
   return spdlog::level::info;
 }
 
-std::shared_ptr<spdlog::logger> MakeLogger(const std::string& file, Level level) {
+std::shared_ptr<spdlog::logger> MakeLogger(const std::string& file, Level level, Level console) {
   std::vector<spdlog::sink_ptr> sinks = {std::make_shared<spdlog::sinks::stderr_sink_mt>()};
   if (!file.empty()) sinks.push_back(std::make_shared<spdlog::sinks::basic_file_sink_mt>(file));
   auto logger = std::make_shared<spdlog::logger>("", sinks.begin(), sinks.end());
   logger->set_pattern(kPattern);
+  // A live line may stand on the terminal: write over it.
+  if (isatty(STDERR_FILENO) != 0) sinks[0]->set_pattern(std::string("\r\033[K") + kPattern);
+  sinks[0]->set_level(SpdlogLevel(console));
   logger->set_level(SpdlogLevel(level));
   logger->flush_on(spdlog::level::info);
   return logger;
@@ -42,7 +46,7 @@ std::shared_ptr<spdlog::logger> MakeLogger(const std::string& file, Level level)
 std::mutex mutex;  // guards the slot below
 
 std::shared_ptr<spdlog::logger>& Slot() {
-  static std::shared_ptr<spdlog::logger> logger = MakeLogger("", Level::kInfo);
+  static std::shared_ptr<spdlog::logger> logger = MakeLogger("", Level::kInfo, Level::kInfo);
   return logger;
 }
 
@@ -65,9 +69,9 @@ Level LevelFor(std::string_view name) {
   return static_cast<Level>(found - kNames.begin());
 }
 
-void Init(const std::string& file, Level level) {
+void Init(const std::string& file, Level level, Level console) {
   try {
-    auto logger = MakeLogger(file, level);
+    auto logger = MakeLogger(file, level, console);
     const std::lock_guard lock(mutex);
     Slot() = std::move(logger);
   } catch (const spdlog::spdlog_ex& error) {

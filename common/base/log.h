@@ -19,9 +19,10 @@ enum class Level : std::uint8_t { kDebug, kInfo, kWarn, kError };
 // "debug", "info", "warn", "error"; throws Error otherwise.
 [[nodiscard]] Level LevelFor(std::string_view name);
 
-// Writes to standard error and, if `file` is not empty, appends to that file. Without Init lines
-// of level info and above go to standard error. Throws Error if the file cannot be opened.
-void Init(const std::string& file, Level level);
+// Writes to standard error what is of level `console` or above and, if `file` is not empty, appends
+// everything to that file. Without Init lines of level info and above go to standard error. Throws
+// Error if the file cannot be opened.
+void Init(const std::string& file, Level level, Level console = Level::kDebug);
 
 [[nodiscard]] bool Enabled(Level level);
 // One finished line, without its end.

@@ -235,6 +235,7 @@ void BindTraining(Binder& binder, Config& config) {
   binder.Number("weight_decay", config.weight_decay, {0, 1});
   binder.Number("value_weight", config.value_weight, {0, 1});
   binder.Number("target_argmax_weight", config.target_argmax_weight, {0, 1});
+  binder.Number("draw_value", config.draw_value, {-1, 1});
   binder.Number("target_search_value_weight", config.target_search_value_weight, {0, 1});
   binder.Number("threads", config.threads, {1, 1024});
   binder.Choice("device", config.device, {"auto", "cpu", "cuda"});

@@ -52,8 +52,9 @@ void BuildBatch(const GameSettings& settings, const TargetSettings& targets,
           target[action];
     }
     const auto search_weight = static_cast<float>(targets.search_value_weight);
-    batch.values[i] = (1 - search_weight) * static_cast<float>(sample.outcome) +
-                      search_weight * sample.search_value;
+    const auto outcome =
+        static_cast<float>(sample.outcome == 0 ? targets.draw_value : sample.outcome);
+    batch.values[i] = (1 - search_weight) * outcome + search_weight * sample.search_value;
   }
 }
 

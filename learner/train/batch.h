@@ -20,9 +20,10 @@ struct TrainingBatch {
   std::vector<float> values;    // [size], -1 to +1, the viewer's view
 };
 
-// How targets are mixed; weights from 0 to 1.
+// How targets are made; weights from 0 to 1.
 struct TargetSettings {
   double argmax_weight = 0;        // of onehot(argmax pi) in the policy's target
+  double draw_value = 0;           // z of a tie
   double search_value_weight = 0;  // of the search's root value in the value's target, beside z
 };
 

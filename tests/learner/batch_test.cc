@@ -92,6 +92,25 @@ TEST(Batch, SmallBoardsAreNotTurned) {
   }
 }
 
+TEST(Batch, ValuesMixTheOutcomeWithWhatTheSearchFound) {
+  Sample sample = SamplesOf(3)[0];
+  sample.search_value = 0.5F;
+  const auto value = [&sample](int outcome, const TargetSettings& targets) {
+    sample.outcome = static_cast<std::int8_t>(outcome);
+    const std::vector<const Sample*> one = {&sample};
+    Rng rng(4);
+    TrainingBatch batch;
+    BuildBatch(GameSettings{}, targets, one, rng, batch);
+    return batch.values[0];
+  };
+  EXPECT_EQ(value(-1, {}), -1.0F);
+  EXPECT_EQ(value(0, {}), 0.0F);
+  EXPECT_EQ(value(-1, {.search_value_weight = 0.25}), -0.625F);
+  EXPECT_EQ(value(0, {.draw_value = -0.5}), -0.5F);
+  EXPECT_EQ(value(1, {.draw_value = -0.5}), 1.0F);
+  EXPECT_EQ(value(0, {.draw_value = -0.5, .search_value_weight = 1}), 0.5F);
+}
+
 TEST(Batch, EqualGeneratorsGiveEqualBatches) {
   const std::vector<Sample> samples = SamplesOf(6);
   std::vector<const Sample*> pointers;

@@ -49,6 +49,18 @@ TEST(Schedule, GoesOnAfterARestart) {
   EXPECT_TRUE(schedule.finished());
 }
 
+TEST(Schedule, TheLearningRateFallsByEqualFactors) {
+  TrainingConfig training;
+  training.iterations = 3;
+  training.learning_rate = 0.04;
+  EXPECT_DOUBLE_EQ(LearningRateOf(training, 1), 0.04);
+  EXPECT_DOUBLE_EQ(LearningRateOf(training, 3), 0.04);
+  training.final_learning_rate = 0.0004;
+  EXPECT_DOUBLE_EQ(LearningRateOf(training, 1), 0.04);
+  EXPECT_DOUBLE_EQ(LearningRateOf(training, 2), 0.004);
+  EXPECT_DOUBLE_EQ(LearningRateOf(training, 3), 0.0004);
+}
+
 TEST(Schedule, AWindowOfOneNeedsNoOldGames) {
   Schedule schedule(5, 10, /*window_data_sets=*/1, {{0, 3}});
   EXPECT_TRUE(schedule.WindowOfNext().empty());

@@ -170,6 +170,19 @@ TEST(SessionTest, ActorsPauseWhenTheLearnerIsSlow) {
   EXPECT_TRUE(Eventually([&] { return actor.tickets.waiting() == granted; }));
 }
 
+TEST(SessionTest, ActorsPauseWhileNoGamesAreWanted) {
+  std::atomic<bool> wanted = false;
+  InProcessNetwork network;
+  SessionServerSettings settings = QuickSettings();
+  settings.wants_games = [&wanted] { return wanted.load(); };
+  TestLearner learner(network.Listen(), settings);
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.client->welcome() != nullptr; }));
+  EXPECT_EQ(actor.tickets.waiting(), 0u);
+  wanted = true;
+  EXPECT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+}
+
 TEST(SessionTest, AServerThatIsFullReadsOn) {
   InProcessNetwork network;
   SessionServerSettings settings = QuickSettings();
@@ -199,6 +212,19 @@ TEST(SessionTest, WeightsReachActorsNowAndLater) {
   for (const TestActor* actor : {&early, &late}) {
     EXPECT_TRUE(Eventually([&] { return actor->client->weights()->version == 2; }));
   }
+}
+
+TEST(SessionTest, ActorsLearnThatThereAreNoWeightsYet) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  EXPECT_FALSE(actor.client->no_weights_yet()) << "nobody has said so";
+  learner.server->Publish(nullptr);
+  EXPECT_TRUE(Eventually([&] { return actor.client->no_weights_yet(); }));
+  EXPECT_EQ(actor.client->weights(), nullptr);
+  learner.server->Publish(SomeWeights(2));
+  EXPECT_TRUE(Eventually([&] { return actor.client->weights() != nullptr; }));
 }
 
 TEST(SessionTest, DamagedWeightsAreFetchedAgain) {

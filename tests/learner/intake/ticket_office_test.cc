@@ -45,6 +45,16 @@ TEST(TicketOfficeTest, ReissuesLowestFirst) {
   EXPECT_EQ(office.Grant(3, 5), (Tickets{0, 1, 3, 5, 6}));
 }
 
+TEST(TicketOfficeTest, LostTicketsAreGrantedEvenWhereNewOnesAreNot) {
+  using Source = TicketOffice::Source;
+  TicketOffice office(Tickets{});
+  (void)office.Grant(1, 3);
+  EXPECT_TRUE(office.Grant(2, 2, Source::kOpenOnly).empty());
+  office.Release(1);
+  EXPECT_EQ(office.Grant(2, 2, Source::kOpenOnly), (Tickets{0, 1}));
+  EXPECT_EQ(office.issued(), 3u);
+}
+
 TEST(TicketOfficeTest, TheFirstDurableGameWins) {
   TicketOffice office({});
   (void)office.Grant(1, 2);
