@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "actors/play/factory.h"
 #include "common/pommerman/generate.h"
 #include "tests/http/runner_json.h"
 #include "tests/http/scripted_agent.h"
@@ -136,6 +137,76 @@ TEST_F(AgentServiceTest, ALateRequestStillGetsOneEvaluation) {
   EXPECT_EQ(service->Act(Body(0, 0), arrival).status, 200);
   EXPECT_EQ(diary_.rounds, 1);
 }
+
+// --- Boards that no game can reach ---------------------------------------------------------------
+
+// Anything anywhere, as long as the arrays agree with each other.
+void FillCell(Cell cell, Rng& rng, Observation& observation) {
+  constexpr std::array kStatic = {CellValue::kPassage,       CellValue::kRigid,
+                                  CellValue::kWood,          CellValue::kExtraBomb,
+                                  CellValue::kIncreaseRange, CellValue::kKick};
+  switch (rng.Below(5)) {
+    case 0:
+      observation.board[cell] = CellValue::kFlames;
+      observation.flame_life[cell] = static_cast<std::uint8_t>(1 + rng.Below(3));
+      break;
+    case 1:
+      observation.board[cell] = CellValue::kBomb;
+      observation.bomb_life[cell] = static_cast<std::uint8_t>(1 + rng.Below(9));
+      observation.bomb_blast_strength[cell] = static_cast<std::uint8_t>(1 + rng.Below(10));
+      observation.bomb_moving_direction[cell] = static_cast<Direction>(rng.Below(5));
+      break;
+    default: observation.board[cell] = kStatic[rng.Below(kStatic.size())]; break;
+  }
+}
+
+// Living agents, agent 0 among them, on random cells, perhaps on bombs.
+void PlaceAgents(Rng& rng, Observation& observation) {
+  for (AgentId id = 0; id < kAgentCount; ++id) {
+    observation.alive[id] = id == 0 || rng.Below(3) != 0;
+    auto cell = static_cast<Cell>(rng.Below(kCellCount));
+    while (observation.board[cell] >= CellValue::kAgent0) cell = (cell + 1) % kCellCount;
+    if (!observation.alive[id]) continue;
+    observation.board[cell] = AgentValue(id);
+    observation.flame_life[cell] = 0;
+    if (id == 0) observation.position = static_cast<std::uint8_t>(cell);
+  }
+}
+
+Observation ImpossibleObservation(Rng& rng) {
+  Observation observation{};
+  for (Cell cell = 0; cell < kCellCount; ++cell) FillCell(cell, rng, observation);
+  PlaceAgents(rng, observation);
+  observation.blast_strength = static_cast<std::uint8_t>(1 + rng.Below(10));
+  observation.ammo = static_cast<std::uint8_t>(rng.Below(11));
+  observation.can_kick = rng.Below(2) == 0;
+  observation.step = static_cast<std::uint16_t>(rng.Below(800));
+  return observation;
+}
+
+TEST(AgentServiceOnImpossibleBoards, ASearchAnswersOrTheBoardIsRefused) {
+  Rng rng(5);
+  for (const char* environment : {"PommeFFACompetition-v0", "PommeFFA-v1", "PommeTeam-v0"}) {
+    const GameSettings settings = GameSettingsFor(environment).value();
+    AgentService service(MakeAgent(ParseAgent("search:simulations=20")),
+                         std::make_shared<UniformEvaluator>(), {});
+    (void)service.InitAgent(InitBody(0, settings.mode));
+    int answered = 0;
+    std::uint16_t step = 0;
+    for (int board = 0; board < 300; ++board) {
+      Observation observation = ImpossibleObservation(rng);
+      // Two boards of three pretend to be the next step of the last one.
+      if (board % 3 != 0) observation.step = static_cast<std::uint16_t>((step + 1) % 800);
+      step = observation.step;
+      const ServiceReply reply = service.Act(ActionBody(settings, observation));
+      ASSERT_TRUE(reply.status == 200 || reply.status == 400) << reply.body;
+      answered += reply.status == 200 ? 1 : 0;
+    }
+    EXPECT_GT(answered, 250) << environment;
+  }
+}
+
+// --- Radio --------------------------------------------------------------------------------------
 
 TEST_F(AgentServiceTest, TalksToItsMateAndListens) {
   const GameSettings radio = GameSettingsFor("PommeRadioCompetition-v2").value();
