@@ -350,7 +350,9 @@ void SessionServer::Settle(const Verdict& verdict, std::map<PeerId, Ack>& acks) 
 }
 
 void SessionServer::TopUp(const PeerId& peer, Ack& ack) {
-  const Session& session = sessions_.at(peer);
+  const auto found = sessions_.find(peer);
+  if (found == sessions_.end()) return;  // it did not take a message and was ended
+  const Session& session = found->second;
   const std::size_t target = TicketTarget(session.hello.loops, settings_.self_play.games_in_flight);
   const std::size_t held = office_.held(session.id);
   if (held >= target || stopping_) return;
