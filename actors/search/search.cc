@@ -103,12 +103,13 @@ NodeIndex Search::FindForeseen(const State& root, NodeIndex parent) const {
   return kNoNode;
 }
 
-// What holds for new and kept roots alike: is there anything to search, and noise if it is already
-// evaluated.
+// What holds for new and kept roots alike: is there anything to search; what its untried actions
+// are worth and noise if it is already evaluated.
 void Search::BeginRoot() {
   Node& root = tree_[kRoot];
   forced_ = std::popcount(LegalFor(root)) == 1;
   if (root.stage == Node::Stage::kNew) return;
+  Tree::SetUnvisited(root, static_cast<float>(settings_.root_unvisited_value));
   reused_visits_ = static_cast<int>(root.visit_count);
   root_priors_ = root.prior;
   if (settings_.noise_weight > 0) {

@@ -72,6 +72,7 @@ const std::vector<OptionRow>& Table() {
       {"c_puct_init", Real{&S::c_puct_init, 0, 100}, "exploration factor"},
       {"c_puct_base", Real{&S::c_puct_base, 1, 1e9}, "visits over which exploration grows"},
       {"unvisited_value", Real{&S::unvisited_value, -1, 1}, "value of an action not yet tried"},
+      {"root_unvisited_value", Real{&S::root_unvisited_value, -1, 1}, "the same at the root"},
       {"renormalise_priors", Flag{&S::renormalise_priors}, "priors of the legal actions sum to 1"},
       {"action_filter", Flag{&S::action_filter}, "search legal actions only"},
       {"noise_alpha", Real{&S::noise_alpha, 0.001, 100}, "Dirichlet parameter at the root"},

@@ -59,7 +59,11 @@ struct SearchSettings {
   // Selection: Q + c(N) P sqrt(N) / (1 + n), c(N) = c_puct_init + ln((N + base + 1) / base).
   double c_puct_init = 2.5;
   double c_puct_base = 19652;
-  double unvisited_value = -1;      // Q of an action not yet tried, its mover's view
+  double unvisited_value = -1;  // Q of an action not yet tried, its mover's view: deep, thin
+                                // trees
+  // The same at the root. +1: every legal move is tried, so that visits to learn from do not repeat
+  // what the policy left out.
+  double root_unvisited_value = -1;
   bool renormalise_priors = false;  // after dropping illegal actions
   bool action_filter = true;        // only LegalActions; otherwise all six
 

@@ -113,6 +113,12 @@ void Tree::SetPriors(Node& node, std::span<const float, kActionCount> priors) {
   }
 }
 
+void Tree::SetUnvisited(Node& node, float value) {
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    if ((node.legal >> a & 1) != 0 && node.visits[a] == 0) node.value[a] = value;
+  }
+}
+
 Action Tree::Select(const Node& node) const {
   const float exploration = exploration_[node.visit_count];
   const auto side = static_cast<float>(node.side);

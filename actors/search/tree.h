@@ -82,6 +82,9 @@ class Tree {
   // Replaces the priors of the legal actions; visits and values stay.
   static void SetPriors(Node& node, std::span<const float, kActionCount> priors);
 
+  // Replaces the values of the legal actions without a visit.
+  static void SetUnvisited(Node& node, float value);
+
   // The action that maximises Q + c(N) P sqrt(N) / (1 + n) for the mover, the lowest of equal ones.
   // N is the number of visits of all edges, at least 1 (so that the first choice follows P).
   [[nodiscard]] Action Select(const Node& node) const;

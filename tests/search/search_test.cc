@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
 #include <vector>
 
@@ -450,6 +451,39 @@ TEST(Search, NetworkModelsActByTheirPolicy) {
   EXPECT_EQ(result.expected_agents, 0b1110);
   EXPECT_EQ(evaluator.largest_batch, 3U) << "the models of a node are asked together";
   EXPECT_EQ(result.simulations, 50);
+}
+
+// A policy without doubts would leave the other actions unseen.
+TEST(Search, RootUnvisitedValueTriesEveryLegalAction) {
+  const State state = KnownStart(1);
+  for (const double value : {-1.0, 1.0}) {
+    SearchSettings settings = Quiet(50);
+    settings.root_unvisited_value = value;
+    Search search(settings, {});
+    WantsOwnNumber evaluator;
+    search.Start(state, ModelsAtStart(settings, 0), Rng(1));
+    const SearchResult result = Finish(search, evaluator);
+    const auto tried = std::ranges::count_if(result.visits, [](auto visits) { return visits > 0; });
+    EXPECT_EQ(tried, value > 0 ? std::popcount(LegalActions(state, 0)) : 1);
+  }
+}
+
+TEST(Search, RootUnvisitedValueHoldsForKeptTreesToo) {
+  SearchSettings settings = Quiet(50);
+  settings.root_unvisited_value = 1;
+  Search search(settings, {});
+  WantsOwnNumber evaluator;
+  State state = KnownStart(1);
+  search.Start(state, ModelsAtStart(settings, 0), Rng(1));
+  (void)Finish(search, evaluator);
+  Advance({}, {Action::kStop}, state);
+  search.Start(state, ModelsAtStart(settings, 0), Rng(2));
+  const SearchResult result = Finish(search, evaluator);
+  EXPECT_GT(result.reused_visits, 0);
+  for (int action = 0; action < kActionCount; ++action) {
+    const bool legal = (LegalActions(state, 0) >> action & 1) != 0;
+    EXPECT_EQ(result.visits[static_cast<std::size_t>(action)] > 0, legal) << action;
+  }
 }
 
 }  // namespace
