@@ -4,14 +4,11 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iostream>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -19,10 +16,9 @@
 #include "actors/replay/recorded_export.h"
 #include "actors/replay/stored_game.h"
 #include "actors/replay/viewer.h"
+#include "actors/run_main.h"
 #include "common/base/check.h"
-#ifdef POWDERKEG_HAS_SEGMENTS
-#include "learner/replay/store.h"
-#endif
+#include "common/segment/segment_file.h"
 
 namespace powderkeg {
 namespace {
@@ -45,55 +41,15 @@ GameSource RecordedSource(const std::string& file) {
   };
 }
 
-#ifdef POWDERKEG_HAS_SEGMENTS
-// A folder that goes when its owner goes.
-class TemporaryFolder {
- public:
-  TemporaryFolder() : path_(std::filesystem::temp_directory_path() / "replay-XXXXXX") {
-    if (mkdtemp(path_.data()) == nullptr) throw Error(StrCat("cannot make the folder ", path_));
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  [[nodiscard]] std::filesystem::path path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
-// Reads the segment as the only one of a store of our own: the folder it lies in may belong to a
-// running learner.
-std::vector<GameRecord> RecordsOf(const std::filesystem::path& segment) {
-  if (!std::filesystem::is_regular_file(segment)) {
-    throw Error(StrCat("cannot open ", segment.string()));
-  }
-  const TemporaryFolder folder;
-  std::filesystem::create_symlink(std::filesystem::absolute(segment),
-                                  folder.path() / "segment-00000001.h5");
-  std::vector<GameRecord> records;
-  ReplayStore(folder.path()).Load([&](GameRecord&& record) {
-    records.push_back(std::move(record));
-  });
-  return records;
-}
-
 GameSource SegmentSource(const std::string& file) {
-  return [records = RecordsOf(file), next = std::size_t{0}](StoredGame& stored) mutable {
+  std::vector<GameRecord> records;
+  ReadSegment(file, [&](GameRecord&& record) { records.push_back(std::move(record)); });
+  return [records = std::move(records), next = std::size_t{0}](StoredGame& stored) mutable {
     if (next == records.size()) return false;
     stored = StoredGameFrom(records[next++]);
     return true;
   };
 }
-#else
-GameSource SegmentSource(const std::string& file) {
-  throw Error(StrCat(file, ": expected a .jsonl or .jsonl.gz file; segments of a run need a build ",
-                     "with the learner"));
-}
-#endif
 
 GameSource SourceOf(const std::string& file) {
   return file.ends_with(".h5") ? SegmentSource(file) : RecordedSource(file);
@@ -170,11 +126,7 @@ int main(int argc, char** argv) {
   powderkeg::Arguments arguments;
   powderkeg::AddOptions(app, arguments);
   CLI11_PARSE(app, argc, argv);
-  try {
+  return powderkeg::RunMain("replay", [&] {
     arguments.export_file.empty() ? powderkeg::Show(arguments) : powderkeg::Export(arguments);
-  } catch (const powderkeg::Error& error) {
-    std::cerr << "replay: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  });
 }

@@ -68,6 +68,10 @@ void WriteFileDurably(const fs::path& path, std::span<const std::uint8_t> bytes)
   SyncFolder(path.parent_path());
 }
 
+void RemoveFile(const fs::path& path) {
+  if (unlink(path.c_str()) != 0) Fail("remove", path, errno);
+}
+
 void SyncFolder(const fs::path& folder) {
   Descriptor(folder.empty() ? fs::path(".") : folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC).Sync();
 }
@@ -77,7 +81,7 @@ void PrepareFolder(const fs::path& folder) {
   fs::create_directories(folder, error);
   if (error) Fail("create", folder, error.value());
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path().extension() == kTemporaryEnding) fs::remove(entry.path());
+    if (entry.path().extension() == kTemporaryEnding) RemoveFile(entry.path());
   }
   if (error) Fail("list", folder, error.value());
 }

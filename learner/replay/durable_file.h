@@ -19,6 +19,9 @@ inline constexpr std::string_view kTemporaryEnding = ".tmp";
 // whatever `path` held before is untouched.
 void WriteFileDurably(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 
+// Throws Error if there is no such file or it cannot be removed; SyncFolder makes it durable.
+void RemoveFile(const std::filesystem::path& path);
+
 // Makes the removal or renaming of files in `folder` durable. Throws Error.
 void SyncFolder(const std::filesystem::path& folder);
 

@@ -13,13 +13,9 @@
 namespace powderkeg {
 
 // A folder of segments `segment-<number>.h5`, each a whole number of games. Segments appear whole
-// (durable_file.h) and are never changed. One thread (HDF5 is not thread-safe, so one store at a
-// time in a process); one process at a time (the run's lock). Every method throws Error.
-//
-// A segment holds typed little-endian arrays, contiguous and uncompressed: those listed in
-// segment_columns.h (n, or n x k where a row has k values), each with its meaning as attribute
-// `description`, and `evaluators`, zero-padded strings of one length. The file's attribute
-// `powderkeg_format` is kSegmentFormat. In Python: h5py.File(path)["decisions/visits"][:].
+// (durable_file.h), as common/segment/segment_file.h specifies them, and are never changed. One
+// thread (and one store at a time in a process, because of HDF5); one process at a time (the run's
+// lock). Every method throws Error.
 class ReplayStore {
  public:
   // Creates the folder if missing and deletes temporaries that a crash has left.

@@ -202,7 +202,7 @@ void CheckpointFolder::Save(const Checkpoint& checkpoint) {
   std::size_t kept = 0;
   for (const fs::path& path : NewestFirst(folder_)) {
     if (path > saved || kept == kept_) {
-      fs::remove(path);
+      RemoveFile(path);
     } else {
       ++kept;
     }

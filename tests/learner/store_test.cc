@@ -12,7 +12,6 @@
 
 #include "common/base/check.h"
 #include "learner/replay/durable_file.h"
-#include "learner/replay/segment_columns.h"
 #include "tests/learner/record_support.h"
 
 namespace powderkeg {
@@ -130,43 +129,6 @@ TEST(ReplayStore, AnUnreadableSegmentIsAnErrorThatNamesIt) {
   EXPECT_THAT(MessageOf([&] { LoadAll(store); }), HasSubstr(damaged.string()));
   fs::resize_file(damaged, 0);
   EXPECT_THAT(MessageOf([&] { LoadAll(store); }), HasSubstr(damaged.string()));
-}
-
-TEST(ReplayStore, FlippedBytesNeverCrash) {
-  const TemporaryFolder folder;
-  ReplayStore store(folder.path());
-  store.Append(RandomRecords(0, 3));
-  const fs::path path = folder.path() / "segment-00000001.h5";
-  const std::vector<std::uint8_t> whole = ReadFileBytes(path);
-  Rng rng(5);
-  for (int i = 0; i < 200; ++i) {
-    std::vector<std::uint8_t> bytes = whole;
-    bytes[rng.Below(static_cast<std::uint32_t>(bytes.size()))] ^=
-        static_cast<std::uint8_t>(1 + rng.Below(255));
-    std::ofstream(path, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
-    MessageOf([&] { LoadAll(store); });
-  }
-}
-
-TEST(SegmentColumns, ValuesOutOfRangeAreRefused) {
-  const SegmentColumns whole = ToColumns(RandomRecords(0, 8));
-  const auto reason = [&](auto&& damage) {
-    SegmentColumns columns = whole;
-    damage(columns);
-    return MessageOf([&] { ForEachGame(columns, [](GameRecord&&) {}); });
-  };
-  EXPECT_EQ(reason([](SegmentColumns&) {}), "no error");
-  EXPECT_THAT(reason([](auto& c) { c.games.mode[0] = 0; }), HasSubstr("mode"));
-  EXPECT_THAT(reason([](auto& c) { c.games.result[0] = 3; }), HasSubstr("result"));
-  EXPECT_THAT(reason([](auto& c) { c.games.seat_policy[0][2] = 5; }), HasSubstr("seat_policy"));
-  EXPECT_THAT(reason([](auto& c) { c.games.evaluator[0] = 2; }), HasSubstr("evaluator"));
-  EXPECT_THAT(reason([](auto& c) { c.games.seed.pop_back(); }), HasSubstr("games/seed has 7 rows"));
-  EXPECT_THAT(reason([](auto& c) { c.games.step_count[7] += 1; }), HasSubstr("ends within"));
-  EXPECT_THAT(reason([](auto& c) { c.games.step_count[7] -= 1; }), HasSubstr("goes on"));
-  EXPECT_THAT(reason([](auto& c) { c.games.decision_count[1] += 1; }), HasSubstr("out of order"));
-  EXPECT_THAT(reason([](auto& c) { c.steps.actions[0] = 6; }), HasSubstr("action above 5"));
-  EXPECT_THAT(reason([](auto& c) { c.decisions.agent[0] = 4; }), HasSubstr("agent"));
 }
 
 TEST(ReplayStore, AFolderThatCannotBeMadeIsAnError) {

@@ -1,4 +1,4 @@
-#include "learner/replay/segment_columns.h"
+#include "common/segment/segment_columns.h"
 
 #include <algorithm>
 #include <cstddef>
