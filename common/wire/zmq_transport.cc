@@ -18,7 +18,8 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr int kLingerMs = 1000;
-// Messages per peer and direction that ZeroMQ may hold; tickets bound them long before.
+// Messages per peer and direction that each side may hold. A peer that lets so many lie is taken
+// for one that does not read.
 constexpr int kHighWaterMark = 256;
 constexpr int kHandshakeMs = 10'000;
 // Heartbeats of ZeroMQ itself: frees what a vanished peer's connection holds.
@@ -52,6 +53,20 @@ bool WaitForMessage(zmq::socket_t& socket, milliseconds timeout, const Waker& wa
   }
   if ((items[1].revents & ZMQ_POLLIN) != 0) waker.Clear();
   return (items[0].revents & ZMQ_POLLIN) != 0;
+}
+
+// Does not wait. False: no room, no connection, or the peer is gone. A signal does not count: half
+// a message would put the socket out of step.
+bool SendFrame(zmq::socket_t& socket, const std::string& bytes,
+               zmq::send_flags flags = zmq::send_flags::none) {
+  for (;;) {
+    try {
+      return socket.send(zmq::buffer(bytes), flags | zmq::send_flags::dontwait).has_value();
+    } catch (const zmq::error_t& error) {
+      if (error.num() == EHOSTUNREACH) return false;
+      if (error.num() != EINTR) throw Error(StrCat("cannot send: ", error.what()));
+    }
+  }
 }
 
 std::optional<std::vector<zmq::message_t>> ReceiveFrames(zmq::socket_t& socket) {
@@ -140,14 +155,7 @@ class ZmqServer final : public ServerChannel {
   }
 
   bool Send(const PeerId& peer, const std::string& bytes) override {
-    try {
-      return socket_.send(zmq::buffer(peer),
-                          zmq::send_flags::sndmore | zmq::send_flags::dontwait) &&
-             socket_.send(zmq::buffer(bytes), zmq::send_flags::dontwait);
-    } catch (const zmq::error_t& error) {
-      if (error.num() == EHOSTUNREACH || error.num() == EINTR) return false;
-      throw Error(StrCat("cannot send: ", error.what()));
-    }
+    return SendFrame(socket_, peer, zmq::send_flags::sndmore) && SendFrame(socket_, bytes);
   }
 
   std::optional<Incoming> Receive(milliseconds timeout, const Waker& waker) override {
@@ -198,14 +206,7 @@ class ZmqClient final : public ClientChannel {
     }
   }
 
-  bool Send(const std::string& bytes) override {
-    try {
-      return socket_.send(zmq::buffer(bytes), zmq::send_flags::dontwait).has_value();
-    } catch (const zmq::error_t& error) {
-      if (error.num() == EINTR) return false;
-      throw Error(StrCat("cannot send: ", error.what()));
-    }
-  }
+  bool Send(const std::string& bytes) override { return SendFrame(socket_, bytes); }
 
   std::optional<std::string> Receive(milliseconds timeout, const Waker& waker) override {
     if (!WaitForMessage(socket_, timeout, waker)) return std::nullopt;

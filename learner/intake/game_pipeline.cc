@@ -1,6 +1,7 @@
 #include "learner/intake/game_pipeline.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 #include <variant>
 
@@ -84,7 +85,7 @@ void GamePipeline::RunVerify() {
     if (!submitted) continue;
     VerifiedGame game = Check(*submitted);
     if (game.verdict.kind == Verdict::Kind::kRejected) {
-      Report(std::move(game.verdict));
+      Report({std::move(game.verdict)});
       continue;
     }
     QueueResult pushed = QueueResult::kTimedOut;
@@ -155,13 +156,15 @@ void GamePipeline::Commit(std::vector<VerifiedGame> games) {
     }
   }
   if (!records.empty()) append_(std::move(records));
-  for (VerifiedGame& game : games) Report(std::move(game.verdict));
+  std::vector<Verdict> verdicts;
+  for (VerifiedGame& game : games) verdicts.push_back(std::move(game.verdict));
+  Report(std::move(verdicts));
 }
 
-void GamePipeline::Report(Verdict verdict) {
+void GamePipeline::Report(std::vector<Verdict> verdicts) {
   {
     const std::lock_guard lock(mutex_);
-    verdicts_.push_back(std::move(verdict));
+    std::ranges::move(verdicts, std::back_inserter(verdicts_));
   }
   waker_.Notify();
 }

@@ -64,6 +64,8 @@ class GamePipeline {
   [[nodiscard]] bool Submit(SessionId session, SealedGame game);
 
   // The verdicts since the last call; every submitted game gets one, unless the pipeline failed.
+  // Those of games that became durable together come together: one Ack answers them all, so that
+  // the actor's queue does not run over with as many messages as it has games.
   [[nodiscard]] std::vector<Verdict> TakeVerdicts();
 
   // Takes no more games, waits until those in it are durable or rejected and ends the threads.
@@ -88,7 +90,7 @@ class GamePipeline {
   void RunStore();
   [[nodiscard]] std::vector<VerifiedGame> CollectCommit();
   void Commit(std::vector<VerifiedGame> games);
-  void Report(Verdict verdict);
+  void Report(std::vector<Verdict> verdicts);
 
   const PipelineSettings settings_;
   const Sha256Digest settings_digest_;

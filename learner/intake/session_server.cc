@@ -203,19 +203,20 @@ std::optional<Refused> SessionServer::Objection(const Hello& hello) const {
     return Refused{.reason =
                        StrCat("run \"", hello.run_id, "\"; this is \"", settings_.run_id, "\"")};
   }
-  if (sessions_.size() >= settings_.max_sessions) {
-    return Refused{.reason = StrCat("there are ", sessions_.size(), " sessions already"),
-                   .retry = true};
-  }
   if (stopping_) return Refused{.reason = "the learner ends", .retry = true};
   return std::nullopt;
 }
 
 void SessionServer::OpenSession(const PeerId& peer, const Hello& hello) {
   EndSession(peer);  // a second Hello starts anew
-  ReplaceNamesake(hello);
   if (const auto objection = Objection(hello)) {
     Refuse(peer, *objection);
+    return;
+  }
+  ReplaceNamesake(hello);
+  if (sessions_.size() >= settings_.max_sessions) {
+    Refuse(peer,
+           {.reason = StrCat("there are ", sessions_.size(), " sessions already"), .retry = true});
     return;
   }
   Session& session = sessions_[peer];

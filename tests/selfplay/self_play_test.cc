@@ -8,6 +8,7 @@
 #include "common/base/check.h"
 #include "common/base/worker.h"
 #include "common/wire/in_process_transport.h"
+#include "common/wire/zmq_transport.h"
 #include "tests/selfplay/session_support.h"
 
 namespace powderkeg {
@@ -25,15 +26,16 @@ SessionServerSettings SearchingSettings() {
 // A SelfPlay on its own thread.
 class RunningActor {
  public:
-  RunningActor(InProcessNetwork& network, EvaluatorFactory factory = {}) {
+  RunningActor(InProcessNetwork& network, EvaluatorFactory factory = {})
+      : RunningActor([&network] { return network.Connect(); }, std::move(factory)) {}
+  explicit RunningActor(Connect connect, EvaluatorFactory factory = {}) {
     SelfPlaySettings settings;
     settings.session.name = "actor";
     settings.session.incarnation = 1;
     settings.session.loops = 2;
     settings.session.first_backoff = milliseconds(5);
     settings.spool = spool_.path();
-    self_play_ = std::make_unique<SelfPlay>(
-        settings, [&network] { return network.Connect(); }, std::move(factory));
+    self_play_ = std::make_unique<SelfPlay>(settings, std::move(connect), std::move(factory));
     worker = std::make_unique<Worker>(
         "actor", [this](const std::stop_token& stop) { self_play_->Run(stop); });
   }
@@ -86,6 +88,24 @@ TEST(SelfPlayTest, PlaysVerifiedGamesInTicketOrder) {
   // Nobody has a hole: tickets of games given up are granted to the next actor first.
   RunningActor next(network);
   EXPECT_TRUE(Eventually([&] { return learner.server->statistics().first_open_ticket >= 12; }));
+}
+
+TEST(SelfPlayTest, PausesOverRealSocketsWhileTheLearnerIsSlow) {
+  TestLearner learner(ListenZmq({.endpoint = "tcp://127.0.0.1:0"}), SearchingSettings());
+  learner.Hold();
+  RunningActor actor([&] { return ConnectZmq(learner.server->endpoint(), std::nullopt); });
+  const std::size_t tickets = TicketTarget(2, QuickConfig().games_in_flight);
+  // It has played its tickets, all of them lie in its outbox, and no game is in play.
+  ASSERT_TRUE(Eventually([&] {
+    const auto statistics = learner.server->statistics();
+    if (statistics.actors.size() != 1 || statistics.pending_games != tickets) return false;
+    const Heartbeat& heartbeat = statistics.actors[0].heartbeat;
+    return heartbeat.games == tickets && heartbeat.outbox_games == tickets &&
+           heartbeat.games_running == 0 && heartbeat.tickets_waiting == 0;
+  }));
+  EXPECT_EQ(learner.server->statistics().tickets_issued, tickets);
+  learner.Release();
+  EXPECT_TRUE(Eventually([&] { return learner.Tickets().size() > 2 * tickets; }));
 }
 
 TEST(SelfPlayTest, GamesUseTheNewestWeights) {

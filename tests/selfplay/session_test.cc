@@ -4,12 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "actors/selfplay/outbox.h"
 #include "actors/selfplay/session_client.h"
 #include "actors/selfplay/ticket_book.h"
 #include "common/base/check.h"
 #include "common/model/network_description.h"
+#include "common/wire/codec.h"
 #include "common/wire/in_process_transport.h"
 #include "common/wire/zmq_transport.h"
 #include "learner/intake/session_server.h"
@@ -170,6 +176,82 @@ TEST(SessionTest, ActorsPauseWhenTheLearnerIsSlow) {
   EXPECT_TRUE(Eventually([&] { return actor.tickets.waiting() == granted; }));
 }
 
+TEST(SessionTest, AFloodOfGamesStopsAtItsSender) {
+  SessionServerSettings settings = QuickSettings();
+  settings.max_pending_games = 64;  // stops reading at half of them
+  TestLearner learner(ListenZmq({.endpoint = "tcp://127.0.0.1:0"}), settings);
+  learner.Hold();
+  const Waker waker;
+  const auto flood = ConnectZmq(learner.server->endpoint(), std::nullopt);
+  const std::string hello = Encode(Hello{.name = "flood"});
+  ASSERT_TRUE(Eventually([&] { return flood->Send(hello); }));
+  ASSERT_TRUE(flood->Receive(milliseconds(5000), waker)) << "no Welcome";
+  ASSERT_TRUE(flood->Receive(milliseconds(5000), waker)) << "no tickets";
+  const std::string games = Encode(Games{.games = std::vector(25, SealedTicket(QuickConfig(), 0))});
+  constexpr int kMost = 20'000;
+  int sent = 0;
+  for (int refused = 0; refused < 100 && sent < kMost;) {
+    const bool taken = flood->Send(games);
+    sent += taken ? 1 : 0;
+    refused = taken ? 0 : refused + 1;
+    if (!taken) waker.Wait(milliseconds(1));
+  }
+  EXPECT_LT(sent, kMost) << "nothing held the sender back";
+  const IntakeStatistics statistics = learner.server->statistics();
+  EXPECT_LE(statistics.pending_games, settings.max_pending_games);
+  EXPECT_EQ(statistics.actors.size(), 1u) << "it was refused instead of held back";
+  learner.Release();
+  EXPECT_TRUE(Eventually([&] { return flood->Send(games); })) << "not read again";
+  EXPECT_TRUE(Eventually([&] { return learner.server->statistics().duplicates > 100; }));
+  EXPECT_EQ(learner.Tickets(), (std::vector<std::uint64_t>{0}));
+}
+
+// A server's channel whose peers can be made deaf: what is sent to them is not taken.
+class MutedChannel final : public ServerChannel {
+ public:
+  MutedChannel(std::unique_ptr<ServerChannel> channel, std::atomic<bool>& muted)
+      : channel_(std::move(channel)), muted_(muted) {}
+  bool Send(const PeerId& peer, const std::string& bytes) override {
+    return !muted_ && channel_->Send(peer, bytes);
+  }
+  std::optional<Incoming> Receive(milliseconds timeout, const Waker& waker) override {
+    return channel_->Receive(timeout, waker);
+  }
+  [[nodiscard]] std::string endpoint() const override { return channel_->endpoint(); }
+
+ private:
+  std::unique_ptr<ServerChannel> channel_;
+  std::atomic<bool>& muted_;
+};
+
+TEST(SessionTest, AnActorThatIsGoneBeforeItsWelcomeHarmsNobody) {
+  InProcessNetwork network;
+  auto channel = network.Listen();
+  ASSERT_TRUE(network.Connect()->Send(Encode(Hello{.name = "gone"})));
+  TestLearner learner(std::move(channel));
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  EXPECT_EQ(actor.PlayOne(), 0u) << "a ticket went with the actor that was gone";
+}
+
+TEST(SessionTest, AnActorWhoseSessionEndedComesBackAndLosesNothing) {
+  InProcessNetwork network;
+  std::atomic<bool> muted = false;
+  TestLearner learner(std::make_unique<MutedChannel>(network.Listen(), muted));
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  muted = true;
+  actor.PlayOne();
+  ASSERT_TRUE(Eventually([&] { return learner.Tickets().size() == 1; }));
+  ASSERT_TRUE(Eventually([&] { return learner.server->statistics().actors.empty(); }));
+  muted = false;
+  EXPECT_TRUE(Eventually([&] { return actor.outbox.size() == 0; }));
+  actor.PlayOne();
+  EXPECT_TRUE(Eventually([&] { return actor.outbox.size() == 0; }));
+  EXPECT_EQ(learner.Tickets(), (std::vector<std::uint64_t>{0, 1}));
+  EXPECT_EQ(learner.server->statistics().rejected, 0u);
+}
+
 TEST(SessionTest, ActorsPauseWhileNoGamesAreWanted) {
   std::atomic<bool> wanted = false;
   InProcessNetwork network;
@@ -307,6 +389,30 @@ TEST(SessionTest, ANamesakeReplacesTheOldActor) {
   EXPECT_TRUE(Eventually([&] { return fresh.tickets.waiting() > 0; }));
   EXPECT_EQ(learner.server->statistics().actors.size(), 1u);
   EXPECT_THROW(old.client->Leave(milliseconds(0)), Error);
+}
+
+TEST(SessionTest, AnotherRunsActorOfTheSameNameReplacesNobody) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  TestActor actor([&] { return network.Connect(); }, "same");
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  TestActor stranger([&] { return network.Connect(); }, "same", {}, "another-run");
+  ASSERT_TRUE(Eventually([&] { return stranger.client->ended(); }));
+  EXPECT_THROW(stranger.client->Leave(milliseconds(0)), Error);
+  actor.PlayOne();
+  EXPECT_TRUE(Eventually([&] { return actor.outbox.size() == 0; }));
+  EXPECT_FALSE(actor.client->ended());
+}
+
+TEST(SessionTest, AnotherProtocolIsRefusedWithBothVersions) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  const auto client = network.Connect();
+  ASSERT_TRUE(client->Send(Encode(Hello{.protocol_version = 99, .name = "new"})));
+  const auto answer = client->Receive(milliseconds(5000), Waker());
+  ASSERT_TRUE(answer);
+  const auto refused = std::get<Refused>(std::get<WireMessage>(Decode(*answer)));
+  EXPECT_EQ(refused, (Refused{.reason = "protocol version 99; the learner speaks 1"}));
 }
 
 TEST(SessionTest, AFailedStoreFailsTheServer) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -49,6 +50,39 @@ TEST_F(ZmqTest, CarriesMessagesBothWays) {
   EXPECT_TRUE(server->Send(last_.peer, "answer"));
   EXPECT_EQ(client->Receive(milliseconds(5000), waker_), "answer");
   EXPECT_FALSE(server->Send("nobody", "lost"));
+}
+
+// Sends until nothing more is taken; how many were. Stops at `most`.
+int SendUntilFull(const std::function<bool()>& send, const std::function<void()>& pause, int most) {
+  int sent = 0;
+  for (int refused = 0; refused < 100 && sent < most;) {
+    if (send()) {
+      ++sent;
+      refused = 0;
+    } else {
+      ++refused;
+      pause();  // the io threads may still make room
+    }
+  }
+  return sent;
+}
+
+TEST_F(ZmqTest, APeerThatDoesNotReadGetsABoundedQueue) {
+  const std::string message(std::size_t{64} << 10, 'x');
+  constexpr int kMost = 5000;
+  const auto server = ListenZmq({.endpoint = "tcp://127.0.0.1:0"});
+  const auto client = ConnectZmq(server->endpoint(), std::nullopt);
+  ASSERT_TRUE(Reaches(*client, *server, "hello", milliseconds(5000)));
+  const auto pause = [&] { waker_.Wait(milliseconds(1)); };
+  const int down = SendUntilFull([&] { return server->Send(last_.peer, message); }, pause, kMost);
+  const int up = SendUntilFull([&] { return client->Send(message); }, pause, kMost);
+  EXPECT_LT(down, kMost);
+  EXPECT_LT(up, kMost);
+  // Everything that was taken arrives, and there is room again.
+  for (int i = 0; i < down; ++i) ASSERT_TRUE(client->Receive(milliseconds(5000), waker_)) << i;
+  for (int i = 0; i < up; ++i) ASSERT_TRUE(server->Receive(milliseconds(5000), waker_)) << i;
+  EXPECT_EQ(SendUntilFull([&] { return server->Send(last_.peer, message); }, pause, 1), 1);
+  EXPECT_EQ(SendUntilFull([&] { return client->Send(message); }, pause, 1), 1);
 }
 
 TEST_F(ZmqTest, NothingIsSentBeforeTheConnectionStands) {

@@ -1,0 +1,164 @@
+#include "learner/intake/game_pipeline.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/base/check.h"
+#include "common/config/config.h"
+#include "tests/wire/played_tickets.h"
+
+namespace powderkeg {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+using Kind = Verdict::Kind;
+
+constexpr milliseconds kLong{60'000};
+
+// A pipeline into a vector.
+class GamePipelineTest : public testing::Test {
+ protected:
+  GamePipelineTest() {
+    settings_.self_play = QuickConfig();
+    settings_.commit_interval = milliseconds(1);
+  }
+
+  void Start(std::vector<std::uint64_t> stored = {}) {
+    TicketSet tickets;
+    for (const std::uint64_t ticket : stored) tickets.Insert(ticket);
+    pipeline_ = std::make_unique<GamePipeline>(
+        settings_,
+        [this](std::vector<GameRecord> games) {
+          for (GameRecord& game : games) games_.push_back(std::move(game));
+        },
+        tickets, waker_);
+  }
+  void Submit(SealedGame game) { ASSERT_TRUE(pipeline_->Submit(/*session=*/1, std::move(game))); }
+  // The verdict on one game.
+  Verdict VerdictOn(SealedGame game) {
+    Start();
+    Submit(std::move(game));
+    pipeline_->Drain();
+    const std::vector<Verdict> verdicts = pipeline_->TakeVerdicts();
+    EXPECT_EQ(verdicts.size(), 1u);
+    return verdicts.at(0);
+  }
+  std::string ReasonAgainst(SealedGame game) {
+    const Verdict verdict = VerdictOn(std::move(game));
+    EXPECT_EQ(verdict.kind, Kind::kRejected);
+    EXPECT_TRUE(games_.empty());
+    return verdict.reason;
+  }
+
+  PipelineSettings settings_;
+  const Waker waker_;
+  std::vector<GameRecord> games_;  // of the store thread until Drain
+  std::unique_ptr<GamePipeline> pipeline_;
+};
+
+TEST_F(GamePipelineTest, AGameBecomesDurable) {
+  const Verdict verdict = VerdictOn(SealedTicket(QuickConfig(), 3));
+  EXPECT_EQ(verdict.kind, Kind::kDurable);
+  EXPECT_EQ(verdict.ticket, 3u);
+  ASSERT_EQ(games_.size(), 1u);
+  EXPECT_EQ(verdict.decisions, games_[0].decisions.size());
+  EXPECT_EQ(games_[0], PlayTicket(QuickConfig(), 3));
+}
+
+// One Ack for all of them: an Ack for each would overrun the queue of an actor with many games.
+TEST_F(GamePipelineTest, VerdictsOfOneCommitComeTogether) {
+  constexpr std::size_t kGames = 300;
+  settings_.commit_games = kGames;
+  settings_.commit_interval = kLong;
+  Start();
+  for (std::uint64_t ticket = 0; ticket < kGames; ++ticket) {
+    Submit(SealedTicket(QuickConfig(), ticket));
+  }
+  pipeline_->Drain();
+  std::uint64_t notifications = 0;  // an eventfd counts them
+  ASSERT_EQ(read(waker_.file_descriptor(), &notifications, sizeof notifications), 8);
+  EXPECT_EQ(notifications, 1u);
+  EXPECT_EQ(pipeline_->TakeVerdicts().size(), kGames);
+}
+
+TEST_F(GamePipelineTest, AGameIsStoredOnce) {
+  Start(/*stored=*/{5});
+  for (const std::uint64_t ticket : {4, 4, 5}) Submit(SealedTicket(QuickConfig(), ticket));
+  pipeline_->Drain();
+  int duplicates = 0;
+  for (const Verdict& verdict : pipeline_->TakeVerdicts()) {
+    duplicates += verdict.kind == Kind::kDuplicate ? 1 : 0;
+  }
+  EXPECT_EQ(duplicates, 2);
+  EXPECT_EQ(games_.size(), 1u);
+}
+
+TEST_F(GamePipelineTest, GamesOfOtherSearchSettingsAreTold) {
+  EXPECT_TRUE(VerdictOn(Seal(PlayTicket(QuickConfig(), 0), {})).other_settings);
+  const Sha256Digest digest = SettingsDigest(QuickConfig());
+  EXPECT_FALSE(VerdictOn(Seal(PlayTicket(QuickConfig(), 0), digest)).other_settings);
+}
+
+// ---- What is refused, and the line that says why ------------------------------------------------
+
+TEST_F(GamePipelineTest, RefusesDamagedRecords) {
+  const SealedGame whole = SealedTicket(QuickConfig(), 0);
+  SealedGame truncated = whole;
+  truncated.record.resize(whole.record.size() / 2);
+  EXPECT_THAT(ReasonAgainst(truncated), HasSubstr("checksum"));
+  for (std::size_t place = 0; place < whole.record.size(); place += 1 + whole.record.size() / 20) {
+    SealedGame flipped = whole;
+    flipped.record[place] ^= 4;
+    EXPECT_THAT(ReasonAgainst(flipped), HasSubstr("checksum"));
+  }
+}
+
+TEST_F(GamePipelineTest, RefusesAResultThatDoesNotFollowFromTheMoves) {
+  GameRecord won = PlayTicket(QuickConfig(), 0);
+  won.outcome.winners ^= 1;
+  EXPECT_THAT(ReasonAgainst(Seal(won, {})), HasSubstr("outcome"));
+}
+
+TEST_F(GamePipelineTest, RefusesAGameCutShort) {
+  GameRecord record = PlayTicket(QuickConfig(), 0);
+  record.actions.pop_back();
+  std::erase_if(record.decisions,
+                [&](const Decision& decision) { return decision.step >= record.actions.size(); });
+  EXPECT_THAT(ReasonAgainst(Seal(record, {})), HasSubstr("outcome"));
+}
+
+TEST_F(GamePipelineTest, RefusesAMoveThatARuleBasedSeatWouldNotMake) {
+  GameRecord record = PlayTicket(QuickConfig(), 0);
+  for (AgentId seat = 0; seat < kAgentCount; ++seat) {
+    if (record.setup.seats[seat].policy != PolicyKind::kIdle) continue;
+    if (!record.setup.seats[seat].searches) record.actions[0][seat] = Action::kBomb;
+  }
+  EXPECT_THAT(ReasonAgainst(Seal(record, {})), HasSubstr("step 0"));
+}
+
+TEST_F(GamePipelineTest, RefusesAChosenBoard) {
+  GameRecord record = PlayTicket(QuickConfig(), 0);
+  record.setup.seed += 1;
+  EXPECT_THAT(ReasonAgainst(Seal(record, {})), HasSubstr("setup is not that of the ticket"));
+}
+
+// ---- Failure ------------------------------------------------------------------------------------
+
+TEST_F(GamePipelineTest, AStoreThatFailsEndsThePipelineWithoutAVerdict) {
+  GamePipeline pipeline(
+      settings_, [](std::vector<GameRecord>) { throw Error("disk full"); }, TicketSet(), waker_);
+  ASSERT_TRUE(pipeline.Submit(1, SealedTicket(QuickConfig(), 0)));
+  EXPECT_THROW(pipeline.Drain(), Error);
+  EXPECT_TRUE(pipeline.TakeVerdicts().empty());
+}
+
+}  // namespace
+}  // namespace powderkeg
