@@ -39,7 +39,7 @@ std::vector<Suite> Suites() {
       {"size", "bytes of a position and of a tree node", BenchSizes},
       {"step", "rules, observations, legal actions, start positions", BenchStep},
       {"policies", "rule-based games, decisions and verification", BenchPolicies},
-      {"wire", "size of games as sent, the learner's intake", BenchWire},
+      {"wire", "size of games as sent, the learner's intake (with HDF5 on disk)", BenchWire},
       {"search", "simulations, their parts, and the signature of the search", BenchSearch},
 #ifdef POWDERKEG_HAS_ONEDNN
       {"model", "planes and network evaluations", BenchModel},

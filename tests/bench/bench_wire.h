@@ -7,9 +7,10 @@
 namespace powderkeg {
 
 // bytes_per_decision: of a record as it is sent.
-// ingest: decisions/s that the learner takes from fake actors over ipc: received, decoded,
-// verified, handed to a store (in memory), acknowledged. ingest_per_core: the same per second
-// of processor time of the whole process, fake actors included.
+// ingest_hdf5: decisions that the learner takes from two actor processes over ipc (received,
+// decoded, verified, stored durably as HDF5 in the folder for temporary files, acknowledged) per
+// second of its processor time, all its threads together.
+// ingest_per_core: the same with a store in memory.
 // Takes a few seconds.
 [[nodiscard]] std::vector<BenchFigure> BenchWire();
 

@@ -67,8 +67,9 @@ inline std::vector<GameRecord> RandomRecords(std::uint64_t first_ticket, int cou
 // A fresh folder that is removed with everything in it.
 class TemporaryFolder {
  public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "powderkeg-XXXXXX").string();
+  explicit TemporaryFolder(
+      const std::filesystem::path& parent = std::filesystem::temp_directory_path()) {
+    std::string name = (parent / "powderkeg-XXXXXX").string();
     CHECK(mkdtemp(name.data()) != nullptr, name);
     path_ = name;
   }
