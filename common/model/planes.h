@@ -2,6 +2,8 @@
 
 // A position as input planes of the network.
 
+#include <array>
+#include <cstdint>
 #include <span>
 
 #include "common/model/evaluator.h"
@@ -37,6 +39,15 @@ inline constexpr int kPlanesSize = kPlaneCount * kCellCount;
 // Writes [plane][cell], 23 x 121 floats. Of the settings only max_steps matters.
 void EncodePlanes(const GameSettings& settings, const Position& position,
                   std::span<float, kPlanesSize> planes);
+
+// The same in bytes, a quarter of the size, for devices that expand them: [plane][cell], where
+// plane p holds its value times the whole that it is a share of, and the step is split into plane
+// 22 (step / 64) and one more plane (step % 64). Times PlaneScales, and the last two added, they
+// are EncodePlanes but for rounding; where max_steps was passed, step shares above 1 must be cut.
+inline constexpr int kStepBase = 64;
+inline constexpr int kPlaneCountsSize = (kPlaneCount + 1) * kCellCount;
+void EncodePlaneCounts(const Position& position, std::span<std::int8_t, kPlaneCountsSize> counts);
+[[nodiscard]] std::array<float, kPlaneCount + 1> PlaneScales(const GameSettings& settings);
 
 // The cell that plane 10 marks, or kNoCell if the viewer is dead or stands in fog.
 [[nodiscard]] Cell OwnCell(const Position& position);

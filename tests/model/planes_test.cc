@@ -219,5 +219,40 @@ TEST(Planes, FogIsZeroAndTheRestUnchanged) {
   }
 }
 
+// Bytes times scales are the planes: what a device computes from EncodePlaneCounts.
+Planes Expanded(const GameSettings& settings, const Position& position) {
+  std::array<std::int8_t, kPlaneCountsSize> counts;
+  counts.fill(99);
+  EncodePlaneCounts(position, counts);
+  const auto scales = PlaneScales(settings);
+  Planes planes{};
+  for (int plane = 0; plane <= kPlaneCount; ++plane) {
+    const int to = std::min(plane, kPlaneCount - 1);
+    for (Cell cell = 0; cell < kCellCount; ++cell) {
+      planes[static_cast<std::size_t>(to * kCellCount + cell)] +=
+          scales[static_cast<std::size_t>(plane)] *
+          static_cast<float>(counts[static_cast<std::size_t>(plane * kCellCount + cell)]);
+    }
+  }
+  return planes;
+}
+
+TEST(Planes, CountsAreThePlanesInBytes) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    State state = BusyState(Rng(seed));
+    state.step = static_cast<decltype(state.step)>(Rng(seed).Below(800));
+    BitBoard visible = BitBoard::All();
+    if (seed % 2 == 0) visible = state.rigid | state.wood;
+    const Position position{
+        .state = &state, .viewer = static_cast<AgentId>(seed % 4), .visible = visible};
+    Planes planes;
+    EncodePlanes({}, position, planes);
+    const Planes expanded = Expanded({}, position);
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+      ASSERT_NEAR(expanded[i], planes[i], 1e-6F) << seed << " plane " << i / kCellCount;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace powderkeg

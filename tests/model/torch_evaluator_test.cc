@@ -6,6 +6,7 @@
 
 #include "common/base/check.h"
 #include "common/model/planes.h"
+#include "common/torch/device_planes.h"
 #include "common/torch/snapshot_conversion.h"
 #include "tests/model/positions.h"
 #include "tests/model/reference_evaluator.h"
@@ -31,6 +32,29 @@ std::vector<Evaluation> AnswersOfModule(const Snapshot& snapshot,
     evaluation.value = output.value.item<float>();
   }
   return evaluations;
+}
+
+// What a CUDA device computes, here on the CPU.
+TEST(DevicePlanes, ExpandToThePlanes) {
+  const std::vector<State> states = PlayedStates(20, /*seed=*/3);
+  const std::vector<Position> positions = PositionsOf(states);
+  const auto count = static_cast<std::int64_t>(positions.size());
+  const torch::Tensor counts =
+      torch::empty({count, kPlaneCount + 1, kBoardSize, kBoardSize}, torch::kInt8);
+  const torch::Tensor planes = torch::empty({count, kPlaneCount, kBoardSize, kBoardSize});
+  auto* next_counts = counts.data_ptr<std::int8_t>();
+  float* next_planes = planes.data_ptr<float>();
+  for (const Position& position : positions) {
+    EncodePlaneCounts(position,
+                      std::span<std::int8_t, kPlaneCountsSize>(next_counts, kPlaneCountsSize));
+    EncodePlanes({}, position, std::span<float, kPlanesSize>(next_planes, kPlanesSize));
+    next_counts += kPlaneCountsSize;
+    next_planes += kPlanesSize;
+  }
+  const auto scales = PlaneScales({});
+  const torch::Tensor expanded =
+      ExpandPlanes(counts, torch::tensor(std::vector<float>(scales.begin(), scales.end())));
+  EXPECT_LT((expanded - planes).abs().max().item<float>(), 1e-6F);
 }
 
 class TorchEvaluatorTest : public testing::TestWithParam<const char*> {
