@@ -9,9 +9,10 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
-#include "actors/arena/match.h"
+#include "actors/arena/contest.h"
 #include "actors/arena/progress.h"
 #include "actors/arena/report.h"
 #include "actors/evaluator_choice.h"
@@ -22,22 +23,50 @@
 namespace powderkeg {
 namespace {
 
+constexpr int kMostGames = 1'000'000;
+
+constexpr const char* kExamples = R"(Examples:
+  arena --agent search                            # the default search against three SimpleUnbiased
+  arena --agent search:simulations=64,model=runs/quick/weights/version-000012.weights --games 1000
+  arena --agent "search:model=FILE,tree=two_player,simulations=1000,opponents=simple_unbiased"
+  arena --agent raw:model=OLD --agent raw:model=NEW --sprt score_difference=0..0.05 --games 5000
+  arena --agent search --sprt win_rate=0.5..0.6   # stops when it is clear which of the two it is
+  arena --agent search --opponents simple_unbiased search:model=FILE idle
+  arena --agent search --mate simple_unbiased --environment PommeTeamCompetition-v0
+  arena --agent search:simulations=50 --agent search:simulations=200 --table strength.csv
+  deploy/plot-arena strength.csv                  # win rate over simulations, actions, heat maps
+
+The agents sit in every seat in turn, on the same boards for each --agent. Elo is over the average
+opponent; in a free-for-all equal agents (who win 1 in 4) are 0 apart. Intervals are 95 %.
+
+--sprt FIGURE=LOW..HIGH asks whether the figure is LOW or HIGH and plays until that is answered
+(Wald's test; each answer wrong in 5 % at most) or --games are played:
+  win_rate=0.5..0.6           of each --agent
+  score_difference=0..0.05    of the second --agent over the first, board by board, in points per
+                              game (win 1, tie 1/2, loss 0)
+)";
+
 struct Arguments {
   std::vector<std::string> agents;
   std::vector<std::string> opponents = {"simple_unbiased"};
+  std::string mate;  // empty: the agent itself
   std::string environment = "PommeFFACompetition-v0";
   std::string board = "official";
   std::string corners = "permuted";
   EvaluatorChoice evaluator;
   int games = 200;
+  std::string question;
+  int min_games = 100;
   std::uint64_t seed = 1;
-  int threads = static_cast<int>(std::thread::hardware_concurrency());
-  int games_in_flight = 0;  // 0: see GamesInFlight
+  int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  int games_in_flight = 0;
   std::string json_file;
+  std::string table_file;
   std::string csv_file;
+  std::string position_file = MatchSettings().position_file;
 };
 
-void AddOptions(CLI::App& app, Arguments& arguments) {
+void AddPlayers(CLI::App& app, Arguments& arguments) {
   app.add_option("--agent", arguments.agents,
                  "agent to measure; several are measured on the same boards and compared with the "
                  "first. " +
@@ -48,52 +77,75 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--opponents", arguments.opponents,
                  "the other agents: one for all, or one for each seat after the measured one")
       ->expected(1, 3);
-  app.add_option("--environment", arguments.environment, KnownEnvironmentIds());
-  app.add_option("--board", arguments.board)->check(CLI::IsMember({"official", "uniform"}));
-  app.add_option("--corners", arguments.corners)->check(CLI::IsMember({"official", "permuted"}));
+  app.add_option("--mate", arguments.mate,
+                 "in team modes: who plays with the measured agent; without it, the agent itself");
   app.add_option("--evaluator", arguments.evaluator.evaluator,
                  "of agents with a model: auto, uniform, onednn, torch");
   app.add_option("--precision", arguments.evaluator.precision, "auto, fp32, bf16, fp16");
-  app.add_option("--games", arguments.games)->check(CLI::PositiveNumber);
+}
+
+void AddGames(CLI::App& app, Arguments& arguments) {
+  app.add_option("--environment", arguments.environment, KnownEnvironmentIds());
+  app.add_option("--board", arguments.board)->check(CLI::IsMember({"official", "uniform"}));
+  app.add_option("--corners", arguments.corners)->check(CLI::IsMember({"official", "permuted"}));
+  app.add_option("--games", arguments.games, "of each agent, at most")
+      ->check(CLI::Range(1, kMostGames));
+  app.add_option("--sprt", arguments.question, "question that ends the match early; see below");
+  app.add_option("--min-games", arguments.min_games, "no answer to it before so many")
+      ->check(CLI::Range(1, kMostGames));
   app.add_option("--seed", arguments.seed, "equal seeds give equal boards");
-  app.add_option("--threads", arguments.threads)->check(CLI::PositiveNumber);
+  app.add_option("--threads", arguments.threads)->check(CLI::Range(1, 1024));
   app.add_option("--games-in-flight", arguments.games_in_flight,
                  "games side by side on each thread, which fill the batches of networks; 0: 16 "
                  "where an agent has a model, else 1")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0, 4096));
+}
+
+void AddOutputs(CLI::App& app, Arguments& arguments) {
   app.add_option("--json", arguments.json_file, "write the result to this file");
+  app.add_option("--table", arguments.table_file,
+                 "write one line per agent as CSV to this file; deploy/plot-arena draws it");
   app.add_option("--csv", arguments.csv_file, "write one line per game to this file");
-  app.option_defaults()->always_capture_default();
+  app.add_option("--position-file", arguments.position_file,
+                 "where the position goes if a network answers with something that is no number");
 }
 
-// Without a network, games side by side only crowd the caches.
-int GamesInFlight(const Arguments& arguments, const Lineup& lineup) {
-  if (arguments.games_in_flight > 0) return arguments.games_in_flight;
-  constexpr int kWithModel = 16;
-  return std::ranges::all_of(lineup, &std::string::empty, &AgentDescription::model_file)
-             ? 1
-             : kWithModel;
+void Describe(CLI::App& app, Arguments& arguments) {
+  AddPlayers(app, arguments);
+  AddGames(app, arguments);
+  AddOutputs(app, arguments);
+  for (CLI::Option* option : app.get_options()) {
+    if (option != app.get_help_ptr()) option->capture_default_str();
+  }
+  app.footer(kExamples);
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return StrCat("arena: ", error.what(), "; see --help\n");
+  });
 }
 
-MatchSettings SettingsOf(const Arguments& arguments) {
+ContestSettings SettingsOf(const Arguments& arguments) {
   const std::optional<GameSettings> game = GameSettingsFor(arguments.environment);
   if (!game) {
     throw Error(StrCat("environment \"", arguments.environment, "\": expected one of ",
                        KnownEnvironmentIds()));
   }
-  MatchSettings settings;
-  settings.game = *game;
-  settings.start.generator =
+  ContestSettings settings;
+  settings.match.game = *game;
+  settings.match.start.generator =
       arguments.board == "uniform" ? BoardGenerator::kUniform : BoardGenerator::kOfficial;
-  settings.start.corners =
+  settings.match.start.corners =
       arguments.corners == "official" ? StartCorners::kOfficial : StartCorners::kPermuted;
-  settings.seed = arguments.seed;
-  settings.games = arguments.games;
-  settings.threads = std::min(arguments.threads, arguments.games);
+  settings.match.seed = arguments.seed;
+  settings.match.games = arguments.games;
+  settings.match.threads = std::min(arguments.threads, arguments.games);
+  settings.match.games_in_flight = arguments.games_in_flight;
+  settings.match.position_file = arguments.position_file;
+  if (!arguments.question.empty()) settings.question = ParseQuestion(arguments.question);
+  settings.min_games = arguments.min_games;
   return settings;
 }
 
-// The agent in role 0 and, in team modes, as its own mate in role 2.
+// The agent in role 0 and, in team modes, its mate in role 2.
 Lineup LineupOf(const std::string& agent, const Arguments& arguments, Mode mode) {
   Lineup lineup;
   lineup[0] = ParseAgent(agent);
@@ -101,7 +153,12 @@ Lineup LineupOf(const std::string& agent, const Arguments& arguments, Mode mode)
     const std::vector<std::string>& opponents = arguments.opponents;
     lineup[role] = ParseAgent(opponents[std::min(role, opponents.size()) - 1]);
   }
-  if (IsTeamMode(mode)) lineup[2] = lineup[0];
+  if (IsTeamMode(mode)) {
+    lineup[2] = arguments.mate.empty() ? lineup[0] : ParseAgent(arguments.mate);
+  } else if (!arguments.mate.empty()) {
+    throw Error(StrCat("--mate ", arguments.mate, ": ", arguments.environment,
+                       " has no mates: expected a team environment"));
+  }
   return lineup;
 }
 
@@ -118,19 +175,46 @@ std::string Joined(const std::vector<std::string>& parts) {
   return text;
 }
 
-Contender Measure(const std::string& agent, const Arguments& arguments, MatchSettings settings) {
-  const Lineup lineup = LineupOf(agent, arguments, settings.game.mode);
-  settings.games_in_flight = GamesInFlight(arguments, lineup);
-  const bool terminal = isatty(STDERR_FILENO) != 0;
-  Progress progress(std::cerr, terminal ? Progress::Style::kTerminal : Progress::Style::kPlain,
-                    agent, settings.games, Progress::Clock::now());
-  Contender contender{agent, Joined(arguments.opponents), {}, {}};
-  contender.match = PlayMatch(
-      lineup, settings, LoaderOf(arguments.evaluator),
-      [&progress](const PlayedGame& game) { progress.AddGame(game, Progress::Clock::now()); });
-  progress.Finish();
-  contender.summary = Summarize(settings, contender.match);
-  return contender;
+// A progress bar for each agent on stderr.
+class Bars final : public ContestWatcher {
+ public:
+  Bars(const std::vector<std::string>& agents, int games) {
+    const auto style =
+        isatty(STDERR_FILENO) != 0 ? Progress::Style::kTerminal : Progress::Style::kPlain;
+    for (const std::string& agent : agents) bars_.emplace_back(std::cerr, style, agent, games);
+  }
+
+  void Began(int agent) override { bars_[agent].Start(Progress::Clock::now()); }
+  void Played(int agent, const PlayedGame& game) override {
+    bars_[agent].AddGame(game, Progress::Clock::now());
+  }
+  void Tested(int agent, const TestState& state) override { bars_[agent].SetTest(state); }
+  void Paused(int agent) override { bars_[agent].Pause(Progress::Clock::now()); }
+
+ private:
+  std::vector<Progress> bars_;
+};
+
+std::vector<Contender> ContendersOf(const Arguments& arguments, const MatchSettings& settings,
+                                    const std::vector<Lineup>& lineups,
+                                    std::vector<ContestResult> results) {
+  std::vector<Contender> contenders;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const AgentDescription& agent = lineups[i][0];
+    const bool searches = agent.kind == AgentDescription::Kind::kSearch;
+    Contender contender{.agent = agent.text,
+                        .opponents = Joined(arguments.opponents),
+                        .simulations = searches ? agent.search.simulations : 0,
+                        .match = std::move(results[i].match),
+                        .test = results[i].test,
+                        .summary = {},
+                        .difference = {}};
+    if (!arguments.mate.empty()) contender.opponents += ", with mate " + arguments.mate;
+    contender.summary = Summarize(settings, contender.match);
+    if (i > 0) contender.difference = Compare(settings, contender.match, contenders[0].match);
+    contenders.push_back(std::move(contender));
+  }
+  return contenders;
 }
 
 void WriteFile(const std::string& path, const std::string& text) {
@@ -141,19 +225,21 @@ void WriteFile(const std::string& path, const std::string& text) {
 }
 
 void Run(const Arguments& arguments) {
-  const MatchSettings settings = SettingsOf(arguments);
-  // A wrong specification should not surface after the first match.
+  const ContestSettings settings = SettingsOf(arguments);
+  std::vector<Lineup> lineups;  // all at once: a mistake should not surface after the first match
   for (const std::string& agent : arguments.agents) {
-    (void)LineupOf(agent, arguments, settings.game.mode);
+    lineups.push_back(LineupOf(agent, arguments, settings.match.game.mode));
   }
   InitialiseEvaluators();
-  std::vector<Contender> contenders;
-  for (const std::string& agent : arguments.agents) {
-    contenders.push_back(Measure(agent, arguments, settings));
-  }
+  Bars bars(arguments.agents, arguments.games);
+  std::vector<ContestResult> results =
+      PlayContest(lineups, settings, LoaderOf(arguments.evaluator), bars);
+  const std::vector<Contender> contenders =
+      ContendersOf(arguments, settings.match, lineups, std::move(results));
   std::cout << ReportText(contenders);
   WriteFile(arguments.json_file, ReportJson(contenders));
-  WriteFile(arguments.csv_file, ReportCsv(contenders));
+  WriteFile(arguments.table_file, TableCsv(contenders));
+  WriteFile(arguments.csv_file, GamesCsv(contenders));
 }
 
 }  // namespace
@@ -162,7 +248,7 @@ void Run(const Arguments& arguments) {
 int main(int argc, char** argv) {
   CLI::App app("Measures agents: win, tie and loss rates with 95 % intervals.", "arena");
   powderkeg::Arguments arguments;
-  powderkeg::AddOptions(app, arguments);
+  powderkeg::Describe(app, arguments);
   CLI11_PARSE(app, argc, argv);
   try {
     powderkeg::Run(arguments);

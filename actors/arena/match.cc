@@ -1,15 +1,17 @@
 #include "actors/arena/match.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <fstream>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <optional>
-#include <string>
+#include <utility>
 
 #include "common/base/check.h"
 #include "common/base/worker.h"
+#include "common/pommerman/board_text.h"
 
 namespace powderkeg {
 namespace {
@@ -26,52 +28,94 @@ int SeatCount(const GameSettings& settings) {
 
 AgentId SeatOf(int role, int number, int seats) { return (role + number) % seats; }
 
-// What the threads of a match share.
+// Without a network, games side by side only crowd the caches.
+int GamesInFlight(const MatchSettings& settings, const Lineup& lineup) {
+  if (settings.games_in_flight > 0) return settings.games_in_flight;
+  constexpr int kWithModel = 16;
+  const bool plain =
+      std::ranges::all_of(lineup, &std::string::empty, &AgentDescription::model_file);
+  return plain ? 1 : kWithModel;
+}
+
+std::vector<int> MeasuredRoles(const Lineup& lineup, Mode mode) {
+  if (IsTeamMode(mode) && lineup[2].text == lineup[0].text) return {0, 2};
+  return {0};
+}
+
+// What the threads of a go share.
 class Scoreboard {
  public:
-  Scoreboard(int games, const std::function<void(const PlayedGame&)>& on_game) : on_game_(on_game) {
-    match_.games.resize(static_cast<std::size_t>(games));
-  }
+  // For `games` more games of the match.
+  Scoreboard(Match& match, int games, const MatchObserver& observer)
+      : next_number_(static_cast<int>(match.games.size())),
+        end_(next_number_ + games),
+        match_(match),
+        observer_(observer) {}
 
   // The number of a game nobody has played yet; nullopt when all are given out. Thread-safe.
   std::optional<int> TakeNumber() {
     const int number = next_number_.fetch_add(1);
-    if (number >= static_cast<int>(match_.games.size())) return std::nullopt;
+    if (number >= end_) return std::nullopt;
     return number;
   }
 
   // Thread-safe.
   void AddGame(const PlayedGame& game) {
     const std::lock_guard lock(mutex_);
-    match_.games[static_cast<std::size_t>(game.number)] = game;
-    on_game_(game);
+    if (stopped()) return;
+    observer_.on_game(game);
+    early_.emplace(game.number, game);
+    while (!stopped() && !early_.empty() && IsNext(early_.begin()->first)) {
+      match_.games.push_back(early_.begin()->second);
+      early_.erase(early_.begin());
+      if (observer_.is_enough && observer_.is_enough(match_.games.back())) stopped_ = true;
+    }
   }
 
   // Thread-safe.
-  void AddThread(const LoopMetrics& metrics, double seconds) {
+  void AddThread(const LoopMetrics& metrics, double seconds, std::uint64_t moves) {
     const std::lock_guard lock(mutex_);
     match_.metrics += metrics;
     match_.thread_seconds += seconds;
+    match_.timed_moves += moves;
   }
 
-  // When the threads have ended.
-  [[nodiscard]] Match TakeMatch() { return std::move(match_); }
+  // Ends the match for all threads; whether this call did it. Thread-safe.
+  bool Stop() { return !stopped_.exchange(true); }
+  [[nodiscard]] bool stopped() const { return stopped_; }
 
  private:
-  std::atomic<int> next_number_ = 0;
+  [[nodiscard]] bool IsNext(int number) const {
+    return number == static_cast<int>(match_.games.size());
+  }
+
+  std::atomic<int> next_number_;
+  std::atomic<bool> stopped_ = false;
+  const int end_;
   std::mutex mutex_;
-  const std::function<void(const PlayedGame&)>& on_game_;  // called under mutex_
-  Match match_;                                            // guarded by mutex_
+  Match& match_;                     // guarded by mutex_
+  const MatchObserver& observer_;    // called under mutex_
+  std::map<int, PlayedGame> early_;  // ended before a game of a lower number; guarded by mutex_
 };
+
+// Writes the position; "the position is saved in FILE", or why it is not.
+std::string SavePosition(const State& state, const std::string& path) {
+  std::ofstream file(path);
+  file << ToText(state) << std::flush;
+  return file ? StrCat("the position is saved in ", path)
+              : StrCat("the position could not be saved in ", path);
+}
+
+}  // namespace
 
 // The games of one thread.
 class MatchThread final : public GameHost {
  public:
-  MatchThread(const Lineup& lineup, const MatchSettings& settings, const ModelLoader& loader,
-              Scoreboard& scoreboard)
+  MatchThread(const Lineup& lineup, const MatchSettings& settings, const std::vector<int>& roles,
+              const ModelLoader& loader)
       : lineup_(lineup),
         settings_(settings),
-        scoreboard_(scoreboard),
+        roles_(roles),
         slots_(static_cast<std::size_t>(settings.games_in_flight)) {
     for (const AgentDescription& description : lineup) {
       if (!models_.contains(description.model_file)) {
@@ -80,16 +124,23 @@ class MatchThread final : public GameHost {
     }
   }
 
-  void Run(const std::stop_token& stop) {
-    const Clock::time_point start = Clock::now();
-    GameLoop loop(*this, settings_.game, settings_.games_in_flight);
-    while (!stop.stop_requested() && loop.RunRound()) {
+  // Plays until the scoreboard has no more games. An error ends the match for all threads.
+  void Run(Scoreboard& scoreboard, const std::stop_token& stop) {
+    scoreboard_ = &scoreboard;
+    try {
+      PlayGames(stop);
+    } catch (const BadEvaluation& error) {
+      if (!scoreboard.Stop()) return;  // another thread says what happened
+      throw Error(StrCat("agent ", AgentOf(error.evaluator()), ": ", error.what(), "; ",
+                         SavePosition(error.state(), settings_.position_file)));
+    } catch (const Error&) {
+      scoreboard.Stop();
+      throw;
     }
-    scoreboard_.AddThread(loop.metrics(), SecondsSince(start));
   }
 
   std::optional<GamePlan> NextGame(int slot) override {
-    const std::optional<int> number = scoreboard_.TakeNumber();
+    const std::optional<int> number = scoreboard_->TakeNumber();
     if (!number) return std::nullopt;
     GamePlan plan;
     plan.ticket = static_cast<std::uint64_t>(*number);
@@ -115,11 +166,33 @@ class MatchThread final : public GameHost {
       played.outcomes[role] = static_cast<std::int8_t>(OutcomeFor(record, seat));
       played.statistics[role] = game.statistics(seat);
     }
-    scoreboard_.AddGame(played);
+    moves_ += MeasuredMoves(game);
+    scoreboard_->AddGame(played);
   }
 
  private:
   using Agents = std::array<std::unique_ptr<Agent>, kAgentCount>;  // by role
+
+  void PlayGames(const std::stop_token& stop) {
+    const Clock::time_point start = Clock::now();
+    moves_ = 0;
+    GameLoop loop(*this, settings_.game, settings_.games_in_flight);
+    while (!stop.stop_requested() && !scoreboard_->stopped() && loop.RunRound()) {
+    }
+    for (int slot = 0; slot < settings_.games_in_flight; ++slot) {
+      if (const Game* game = loop.running_game(slot)) moves_ += MeasuredMoves(*game);
+    }
+    scoreboard_->AddThread(loop.metrics(), SecondsSince(start), moves_);
+  }
+
+  [[nodiscard]] std::uint64_t MeasuredMoves(const Game& game) const {
+    const int number = static_cast<int>(game.plan().ticket);
+    std::uint64_t moves = 0;
+    for (const int role : roles_) {
+      moves += game.statistics(SeatOf(role, number, SeatCount(settings_.game))).moves;
+    }
+    return moves;
+  }
 
   Player PlayerOf(int slot, int role) {
     std::unique_ptr<Agent>& agent = slots_[static_cast<std::size_t>(slot)][role];
@@ -127,14 +200,22 @@ class MatchThread final : public GameHost {
     return {agent.get(), models_.at(lineup_[role].model_file)};
   }
 
+  // The first agent, by role, that the evaluator answers.
+  [[nodiscard]] std::string AgentOf(const Evaluator* evaluator) const {
+    const auto agent = std::ranges::find_if(lineup_, [&](const AgentDescription& description) {
+      return models_.at(description.model_file).evaluator.get() == evaluator;
+    });
+    return agent == lineup_.end() ? "unknown" : agent->text;
+  }
+
   const Lineup& lineup_;
   const MatchSettings& settings_;
-  Scoreboard& scoreboard_;
+  const std::vector<int>& roles_;
+  Scoreboard* scoreboard_ = nullptr;     // of this go
+  std::uint64_t moves_ = 0;              // of the measured agent in this go
   std::map<std::string, Model> models_;  // by file
   std::vector<Agents> slots_;            // made when first needed, then reused
 };
-
-}  // namespace
 
 GameSetup SetupOf(const MatchSettings& settings, const Lineup& lineup, int number) {
   GameSetup setup;
@@ -151,24 +232,43 @@ GameSetup SetupOf(const MatchSettings& settings, const Lineup& lineup, int numbe
   return setup;
 }
 
-Match PlayMatch(const Lineup& lineup, const MatchSettings& settings, const ModelLoader& loader,
-                const std::function<void(const PlayedGame&)>& on_game) {
+MatchPlayer::MatchPlayer(const Lineup& lineup, const MatchSettings& settings,
+                         const ModelLoader& loader)
+    : lineup_(lineup), settings_(settings) {
   CHECK(settings.threads > 0 && settings.games > 0, settings.threads, " ", settings.games);
-  const Clock::time_point start = Clock::now();
-  Scoreboard scoreboard(settings.games, on_game);
-  std::vector<std::unique_ptr<MatchThread>> threads;
-  for (int i = 0; i < settings.threads; ++i) {
-    threads.push_back(std::make_unique<MatchThread>(lineup, settings, loader, scoreboard));
+  settings_.games_in_flight = GamesInFlight(settings, lineup);
+  match_.roles = MeasuredRoles(lineup, settings.game.mode);
+  for (int i = 0; i < settings_.threads; ++i) {
+    threads_.push_back(std::make_unique<MatchThread>(lineup_, settings_, match_.roles, loader));
   }
+}
+
+MatchPlayer::~MatchPlayer() = default;
+
+void MatchPlayer::Play(int games, const MatchObserver& observer) {
+  const Clock::time_point start = Clock::now();
+  Scoreboard scoreboard(match_, games, observer);
   std::vector<std::unique_ptr<Worker>> workers;
-  for (int i = 0; i < settings.threads; ++i) {
+  for (std::size_t i = 0; i < threads_.size(); ++i) {
     workers.push_back(std::make_unique<Worker>(
-        StrCat("arena ", i), [&thread = *threads[i]](const auto& stop) { thread.Run(stop); }));
+        StrCat("arena ", i), [&scoreboard, &thread = *threads_[i]](const std::stop_token& stop) {
+          thread.Run(scoreboard, stop);
+        }));
   }
   for (const std::unique_ptr<Worker>& worker : workers) worker->Join();
-  Match match = scoreboard.TakeMatch();
-  match.seconds = SecondsSince(start);
-  return match;
+  match_.seconds += SecondsSince(start);
+}
+
+void MatchPlayer::KeepFirst(std::size_t games) {
+  CHECK(games <= match_.games.size(), games, " of ", match_.games.size());
+  match_.games.resize(games);
+}
+
+Match PlayMatch(const Lineup& lineup, const MatchSettings& settings, const ModelLoader& loader,
+                const std::function<void(const PlayedGame&)>& on_game) {
+  MatchPlayer player(lineup, settings, loader);
+  player.Play(settings.games, {.on_game = on_game, .is_enough = nullptr});
+  return player.match();
 }
 
 }  // namespace powderkeg

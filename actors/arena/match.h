@@ -5,12 +5,13 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "actors/play/factory.h"
 #include "actors/play/game.h"
 #include "actors/play/game_loop.h"
-#include "common/base/stats.h"
 #include "common/pommerman/game_settings.h"
 #include "common/pommerman/generate.h"
 
@@ -18,16 +19,18 @@ namespace powderkeg {
 
 // Who plays: role r sits in seat (r + number of the game) mod the number of seats, so that everyone
 // plays every seat and neighbours stay neighbours. In team modes roles 0 and 2 are mates. Roles
-// without a seat (one against one) are ignored.
+// without a seat (one against one) are ignored. Role 0 is the agent that is measured.
 using Lineup = std::array<AgentDescription, kAgentCount>;
 
 struct MatchSettings {
   GameSettings game = {};
   StartSettings start{BoardGenerator::kOfficial, StartCorners::kPermuted};
   std::uint64_t seed = 1;  // of the boards and of everybody's choices
-  int games = 100;
+  int games = 100;         // at most
   int threads = 1;
-  int games_in_flight = 16;  // per thread
+  int games_in_flight = 0;  // per thread; 0: 16 where an agent has a model, else 1
+  // Where the position is written that a network had no number for.
+  std::string position_file = "arena-position.txt";
 };
 
 // Arrays are indexed by role.
@@ -37,23 +40,59 @@ struct PlayedGame {
   int steps = 0;
   AgentId seat = 0;                                 // of role 0
   std::array<std::int8_t, kAgentCount> outcomes{};  // +1 win, 0 tie, -1 loss
-  std::array<SeatStatistics, kAgentCount> statistics{};
+  GameStatistics statistics{};
 };
 
 struct Match {
   std::vector<PlayedGame> games;  // by number
+  std::vector<int> roles = {0};   // of the measured agent: 0, with itself as mate 0 and 2
+  // Speed; games that were cut off when the match was decided are included.
   LoopMetrics metrics;            // of all threads
   double seconds = 0;             // wall time
   double thread_seconds = 0;      // of all threads together
+  std::uint64_t timed_moves = 0;  // of the measured agent, in that time
 };
 
 // The setup of game `number`; depends on the seed of the match, not on the agents' strength.
 [[nodiscard]] GameSetup SetupOf(const MatchSettings& settings, const Lineup& lineup, int number);
 
-// Plays the match; every thread has a game loop and evaluators of its own. `on_game` is called for
-// each game as it ends, one call at a time, from any thread. With the uniform evaluator the games
-// depend on nothing but the line-up and the settings other than threads and games_in_flight.
-// Throws Error if a model cannot be loaded.
+// Who looks on. Called one call at a time, from any thread.
+struct MatchObserver {
+  // Each game as it ends.
+  std::function<void(const PlayedGame&)> on_game;
+  // If set: each game in the order of numbers, once all before have ended too, so that short games
+  // do not count first. True: the match ends with this game; later ones are dropped.
+  std::function<bool(const PlayedGame&)> is_enough;
+};
+
+class MatchThread;
+
+// Plays a match in one or several goes. Every thread has a game loop and evaluators of its own,
+// which stay from go to go. With the uniform evaluator the games depend on nothing but the line-up
+// and the settings other than threads and games_in_flight. One thread.
+class MatchPlayer {
+ public:
+  // Throws Error if a model cannot be loaded.
+  MatchPlayer(const Lineup& lineup, const MatchSettings& settings, const ModelLoader& loader);
+  ~MatchPlayer();
+
+  // Plays the next `games` games, or fewer if the observer has enough. Throws Error, and the match
+  // is over, if a network answers with something that is not a number: the message names the agent
+  // and the file that holds the position (board_text.h).
+  void Play(int games, const MatchObserver& observer);
+  // Forgets all games but the first ones.
+  void KeepFirst(std::size_t games);
+
+  [[nodiscard]] const Match& match() const { return match_; }
+
+ private:
+  Lineup lineup_;
+  MatchSettings settings_;
+  std::vector<std::unique_ptr<MatchThread>> threads_;
+  Match match_;
+};
+
+// A whole match in one go.
 [[nodiscard]] Match PlayMatch(const Lineup& lineup, const MatchSettings& settings,
                               const ModelLoader& loader,
                               const std::function<void(const PlayedGame&)>& on_game);

@@ -20,12 +20,22 @@ std::string Bar(int done, int total) {
   return bar;
 }
 
+std::string TestText(const TestState& test) {
+  std::array<char, 80> text;
+  std::snprintf(text.data(), text.size(), "  llr %+.2f of %+.2f, %+.2f", test.log_likelihood_ratio,
+                test.bounds.low, test.bounds.high);
+  return text.data();
+}
+
 }  // namespace
 
-Progress::Progress(std::ostream& out, Style style, std::string title, int games,
-                   Clock::time_point now)
-    : out_(out), style_(style), title_(std::move(title)), games_(games), start_(now), shown_(now) {
+Progress::Progress(std::ostream& out, Style style, std::string title, int games)
+    : out_(out), style_(style), title_(std::move(title)), games_(games) {}
+
+void Progress::Start(Clock::time_point now) {
   if (style_ == Style::kPlain) out_ << title_ << ": " << games_ << " games" << std::endl;
+  start_ = now;
+  shown_ = now;
 }
 
 void Progress::AddGame(const PlayedGame& game, Clock::time_point now) {
@@ -36,7 +46,8 @@ void Progress::AddGame(const PlayedGame& game, Clock::time_point now) {
   if (last || now - shown_ >= pause) Show(now);
 }
 
-void Progress::Finish() {
+void Progress::Pause(Clock::time_point now) {
+  played_ += now - start_;
   if (style_ == Style::kTerminal) out_ << std::endl;
 }
 
@@ -52,7 +63,7 @@ void Progress::Show(Clock::time_point now) {
 
 std::string Progress::Line(Clock::time_point now) const {
   const auto done = static_cast<double>(score_.games());
-  const double seconds = std::chrono::duration<double>(now - start_).count();
+  const double seconds = std::chrono::duration<double>(played_ + (now - start_)).count();
   const Interval win = WilsonInterval(score_.wins, score_.games());
   std::array<char, 160> text;
   std::snprintf(text.data(), text.size(),
@@ -60,7 +71,7 @@ std::string Progress::Line(Clock::time_point now) const {
                 static_cast<double>(score_.wins) / done, win.low, win.high,
                 static_cast<double>(score_.ties) / done, static_cast<double>(score_.losses) / done,
                 seconds / done * (games_ - done));
-  return text.data();
+  return text.data() + (test_ ? TestText(*test_) : "");
 }
 
 }  // namespace powderkeg

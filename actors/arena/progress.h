@@ -3,10 +3,13 @@
 // The running result of a match on a terminal or in a log.
 
 #include <chrono>
+#include <cstdint>
+#include <optional>
 #include <ostream>
 #include <string>
 
 #include "actors/arena/match.h"
+#include "actors/arena/question.h"
 #include "common/base/stats.h"
 
 namespace powderkeg {
@@ -19,12 +22,16 @@ class Progress {
   using Clock = std::chrono::steady_clock;
 
   // `out` must outlive it.
-  Progress(std::ostream& out, Style style, std::string title, int games, Clock::time_point now);
+  Progress(std::ostream& out, Style style, std::string title, int games);
 
+  // Play starts, or goes on after Pause.
+  void Start(Clock::time_point now);
   // Counts a finished game and shows the state if it is time.
   void AddGame(const PlayedGame& game, Clock::time_point now);
-  // Ends the line on a terminal.
-  void Finish();
+  // From now on the line shows how far the test has come.
+  void SetTest(const TestState& test) { test_ = test; }
+  // Others play for a while, or this was all. Ends the line on a terminal.
+  void Pause(Clock::time_point now);
 
  private:
   [[nodiscard]] std::string Line(Clock::time_point now) const;
@@ -34,9 +41,11 @@ class Progress {
   Style style_;
   std::string title_;
   int games_;
+  Clock::duration played_{};  // before start_
   Clock::time_point start_;
   Clock::time_point shown_;
   MatchScore score_;
+  std::optional<TestState> test_;
 };
 
 }  // namespace powderkeg

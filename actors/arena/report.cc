@@ -1,8 +1,11 @@
 #include "actors/arena/report.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <limits>
 #include <string_view>
-#include <utility>
+#include <vector>
 
 #include "common/base/check.h"
 
@@ -32,29 +35,20 @@ std::string Quoted(std::string_view text) {
   return quoted + "\"";
 }
 
-double Rate(std::uint64_t count, std::uint64_t total) {
-  return total == 0 ? 0.0 : static_cast<double>(count) / static_cast<double>(total);
+double RateOf(std::uint64_t count, std::uint64_t total) {
+  return static_cast<double>(count) / static_cast<double>(total);
 }
 
-SeatStatistics CandidateStatistics(const MatchSettings& settings, const Match& match) {
-  SeatStatistics sum;
-  for (const PlayedGame& game : match.games) {
-    sum += game.statistics[0];
-    if (IsTeamMode(settings.game.mode)) sum += game.statistics[2];
-  }
-  return sum;
-}
+// For people.
 
 std::string RateText(const char* name, std::uint64_t count, std::uint64_t games) {
   const Interval interval = WilsonInterval(count, games);
-  return Format("  %-7s %5.3f  [%5.3f, %5.3f]  %llu\n", name, Rate(count, games), interval.low,
+  return Format("  %-7s %5.3f  [%5.3f, %5.3f]  %llu\n", name, RateOf(count, games), interval.low,
                 interval.high, static_cast<unsigned long long>(count));
 }
 
-std::string RateJson(const char* name, std::uint64_t count, std::uint64_t games) {
-  const Interval interval = WilsonInterval(count, games);
-  return Format(R"("%s": %.6f, "%s_low": %.6f, "%s_high": %.6f, )", name, Rate(count, games), name,
-                interval.low, name, interval.high);
+std::string EloText(const EloEstimate& elo) {
+  return Format("%+.0f [%+.0f, %+.0f]", elo.elo, elo.interval.low, elo.interval.high);
 }
 
 std::string ActionsText(const MatchSummary& summary) {
@@ -63,6 +57,16 @@ std::string ActionsText(const MatchSummary& summary) {
     text += Format("  %s %.3f", kActionNames[action], summary.action_shares[action]);
   }
   return text + "\n";
+}
+
+std::string ActsText(const MatchSummary& summary) {
+  std::string text = Format("  a game  bombs %.2f  kicks %.2f  kills %.2f  own deaths %.3f",
+                            summary.bombs_per_game, summary.kicks_per_game, summary.kills_per_game,
+                            summary.own_deaths_per_game);
+  if (summary.mate_kills_per_game > 0) {
+    text += Format("  mates killed %.3f", summary.mate_kills_per_game);
+  }
+  return text + Format("  cells in 20 steps %.2f\n", summary.cells_in_window);
 }
 
 std::string SearchText(const MatchSummary& summary) {
@@ -77,98 +81,185 @@ std::string SearchText(const MatchSummary& summary) {
   return text;
 }
 
+std::string DifferenceText(const Difference& difference) {
+  return Format(
+             "  against the first, board by board: win %+.3f [%+.3f, %+.3f]"
+             "   score %+.3f [%+.3f, %+.3f]   Elo ",
+             difference.win_rate, difference.win_interval.low, difference.win_interval.high,
+             difference.score, difference.score_interval.low, difference.score_interval.high) +
+         EloText(difference.elo) + "\n";
+}
+
 std::string ContenderText(const Contender& contender) {
   const MatchSummary& summary = contender.summary;
   const std::uint64_t games = summary.score.games();
-  return contender.agent + "\n" +
-         Format("  %llu games in %.1f s against %s\n", static_cast<unsigned long long>(games),
-                contender.match.seconds, contender.opponents.c_str()) +
-         RateText("win", summary.score.wins, games) + RateText("tie", summary.score.ties, games) +
-         RateText("loss", summary.score.losses, games) +
-         Format("  steps   %5.1f   (sd %.1f; alive for %.1f)\n", summary.steps.mean(),
-                summary.steps.standard_deviation(), summary.moves_per_game) +
-         SearchText(summary) + ActionsText(summary);
+  std::string text =
+      contender.agent + "\n" +
+      Format("  %llu games in %.1f s against %s\n", static_cast<unsigned long long>(games),
+             contender.match.seconds, contender.opponents.c_str()) +
+      RateText("win", summary.score.wins, games) + RateText("tie", summary.score.ties, games) +
+      RateText("loss", summary.score.losses, games) + "  Elo     " + EloText(summary.elo) +
+      "  over the average opponent\n" +
+      Format("  steps   %5.1f   (sd %.1f; alive for %.1f)\n", summary.steps.mean(),
+             summary.steps.standard_deviation(), summary.moves_per_game) +
+      SearchText(summary) + ActionsText(summary) + ActsText(summary);
+  if (contender.difference) text += DifferenceText(*contender.difference);
+  if (contender.test) text += "  question " + ToText(*contender.test) + "\n";
+  return text;
 }
 
-std::string DifferenceText(const Contender& contender, const Contender& base) {
-  const Difference difference = Compare(contender.match, base.match);
-  return contender.agent + "\n" +
-         Format(
-             "  against the first, board by board: win %+.3f [%+.3f, %+.3f]"
-             "   score %+.3f [%+.3f, %+.3f]\n",
-             difference.win_rate, difference.win_interval.low, difference.win_interval.high,
-             difference.score, difference.score_interval.low, difference.score_interval.high);
+std::string TableText(std::span<const Contender> contenders) {
+  std::string text =
+      "   win   [95 %]            tie    loss    Elo   steps  depth  ms/move   stop  bombs  kicks"
+      "  kills  cells  agent\n";
+  for (const Contender& contender : contenders) {
+    const MatchSummary& summary = contender.summary;
+    const std::uint64_t games = summary.score.games();
+    const Interval win = WilsonInterval(summary.score.wins, games);
+    text += Format(
+        "%6.3f [%5.3f, %5.3f]  %6.3f  %6.3f  %+5.0f  %6.1f  %5.2f  %7.2f  %5.3f  %5.2f  %5.2f  "
+        "%5.2f  %5.2f  %s\n",
+        RateOf(summary.score.wins, games), win.low, win.high, RateOf(summary.score.ties, games),
+        RateOf(summary.score.losses, games), summary.elo.elo, summary.steps.mean(),
+        summary.mean_depth, summary.ms_per_move, summary.action_shares[0], summary.bombs_per_game,
+        summary.kicks_per_game, summary.kills_per_game, summary.cells_in_window,
+        contender.agent.c_str());
+  }
+  return text;
+}
+
+// For programs.
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+struct Figure {
+  std::string name;
+  double value;  // not finite: none
+};
+
+void AddRate(const std::string& name, std::uint64_t count, std::uint64_t games,
+             std::vector<Figure>& figures) {
+  const Interval interval = WilsonInterval(count, games);
+  figures.push_back({name, RateOf(count, games)});
+  figures.push_back({name + "_low", interval.low});
+  figures.push_back({name + "_high", interval.high});
+}
+
+void AddInterval(const std::string& name, double value, const Interval& interval,
+                 std::vector<Figure>& figures) {
+  figures.push_back({name, value});
+  figures.push_back({name + "_low", interval.low});
+  figures.push_back({name + "_high", interval.high});
+}
+
+void AddDifference(const std::optional<Difference>& difference, std::vector<Figure>& figures) {
+  constexpr Interval kNone{kUnknown, kUnknown};
+  const Difference d =
+      difference.value_or(Difference{kUnknown, kNone, kUnknown, kNone, {kUnknown, kNone}});
+  AddInterval("win_difference", d.win_rate, d.win_interval, figures);
+  AddInterval("score_difference", d.score, d.score_interval, figures);
+  AddInterval("elo_difference", d.elo.elo, d.elo.interval, figures);
+}
+
+// Every number of a contender but the heat map.
+std::vector<Figure> FiguresOf(const Contender& contender) {
+  const MatchSummary& summary = contender.summary;
+  const std::uint64_t games = summary.score.games();
+  std::vector<Figure> figures = {{"simulations", static_cast<double>(contender.simulations)},
+                                 {"games", static_cast<double>(games)}};
+  AddRate("win", summary.score.wins, games, figures);
+  AddRate("tie", summary.score.ties, games, figures);
+  AddRate("loss", summary.score.losses, games, figures);
+  AddInterval("elo", summary.elo.elo, summary.elo.interval, figures);
+  const std::vector<Figure> plain = {
+      {"steps", summary.steps.mean()},
+      {"moves_per_game", summary.moves_per_game},
+      {"depth", summary.mean_depth},
+      {"ms_per_move", summary.ms_per_move},
+      {"simulations_per_s", summary.simulations_per_s},
+      {"mean_batch", summary.mean_batch},
+      {"seconds", contender.match.seconds},
+      {"prediction_accuracy",
+       summary.prediction_accuracy >= 0 ? summary.prediction_accuracy : kUnknown},
+      {"bombs", summary.bombs_per_game},
+      {"kicks", summary.kicks_per_game},
+      {"kills", summary.kills_per_game},
+      {"mate_kills", summary.mate_kills_per_game},
+      {"own_deaths", summary.own_deaths_per_game},
+      {"cells_in_20_steps", summary.cells_in_window}};
+  figures.insert(figures.end(), plain.begin(), plain.end());
+  for (std::size_t action = 0; action < kActionCount; ++action) {
+    figures.push_back(
+        {std::string("share_") + kActionNames[action], summary.action_shares[action]});
+  }
+  AddDifference(contender.difference, figures);
+  return figures;
+}
+
+std::string Number(double value, const char* none) {
+  return std::isfinite(value) ? Format("%.7g", value) : none;
+}
+
+std::string QuestionJson(const TestState& test) {
+  const Question& question = test.question;
+  const std::string answer =
+      test.answer == Answer::kOpen
+          ? "open"
+          : Number(test.answer == Answer::kHigh ? question.high : question.low, "");
+  return Format(R"(, "question": %s, "answer": "%s", "log_likelihood_ratio": %.4f)",
+                Quoted(question.text).c_str(), answer.c_str(), test.log_likelihood_ratio);
+}
+
+std::string HeatMapJson(const MatchSummary& summary) {
+  std::string text = "[";
+  for (Cell cell = 0; cell < kCellCount; ++cell) {
+    const bool row_starts = ColumnOf(cell) == 0;
+    text += row_starts ? (cell == 0 ? "[" : "], [") : ", ";
+    text += StrCat(summary.heat_map[cell]);
+  }
+  return text + "]]";
 }
 
 std::string ContenderJson(const Contender& contender) {
-  const MatchSummary& summary = contender.summary;
-  const std::uint64_t games = summary.score.games();
   std::string text =
-      "{\"agent\": " + Quoted(contender.agent) + ", \"opponents\": " + Quoted(contender.opponents) +
-      Format(R"(, "games": %llu, )", static_cast<unsigned long long>(games)) +
-      RateJson("win", summary.score.wins, games) + RateJson("tie", summary.score.ties, games) +
-      RateJson("loss", summary.score.losses, games) +
-      Format(R"("steps": %.3f, "moves_per_game": %.3f, "depth": %.4f, "ms_per_move": %.4f, )"
-             R"("simulations_per_s": %.1f, "mean_batch": %.3f, "seconds": %.3f, )",
-             summary.steps.mean(), summary.moves_per_game, summary.mean_depth, summary.ms_per_move,
-             summary.simulations_per_s, summary.mean_batch, contender.match.seconds);
-  if (summary.prediction_accuracy >= 0) {
-    text += Format(R"("prediction_accuracy": %.5f, )", summary.prediction_accuracy);
+      "{\"agent\": " + Quoted(contender.agent) + ", \"opponents\": " + Quoted(contender.opponents);
+  for (const Figure& figure : FiguresOf(contender)) {
+    text += ", \"" + figure.name + "\": " + Number(figure.value, "null");
   }
-  text += "\"actions\": {";
-  for (std::size_t action = 0; action < kActionCount; ++action) {
-    text += Format(R"(%s"%s": %.5f)", action == 0 ? "" : ", ", kActionNames[action],
-                   summary.action_shares[action]);
-  }
-  return text + "}}";
+  if (contender.test) text += QuestionJson(*contender.test);
+  return text + ", \"heat_map\": " + HeatMapJson(contender.summary) + "}";
+}
+
+// The agent without the number of its simulations.
+std::string SeriesName(std::string agent) {
+  const std::size_t start = agent.find("simulations=");
+  if (start == std::string::npos) return agent;
+  const std::size_t comma = agent.find(',', start);
+  agent.erase(start, comma == std::string::npos ? comma : comma + 1 - start);
+  if (agent.ends_with(',') || agent.ends_with(':')) agent.pop_back();
+  return agent;
+}
+
+std::size_t SeriesOf(std::span<const Contender> contenders, const Contender& contender) {
+  const auto first = std::ranges::find_if(contenders, [&](const Contender& other) {
+    return SeriesName(other.agent) == SeriesName(contender.agent);
+  });
+  return static_cast<std::size_t>(first - contenders.begin());
+}
+
+std::string TableHeader(const Contender& contender) {
+  std::string text = "number,series";
+  for (const Figure& figure : FiguresOf(contender)) text += "," + figure.name;
+  for (Cell cell = 0; cell < kCellCount; ++cell) text += Format(",cell_%d", cell);
+  return text + ",agent,opponents\n";
 }
 
 }  // namespace
 
-MatchSummary Summarize(const MatchSettings& settings, const Match& match) {
-  MatchSummary summary;
-  for (const PlayedGame& game : match.games) {
-    const int outcome = game.outcomes[0];
-    ++(outcome > 0 ? summary.score.wins : outcome < 0 ? summary.score.losses : summary.score.ties);
-    summary.steps.Add(game.steps);
-  }
-  const SeatStatistics candidate = CandidateStatistics(settings, match);
-  summary.moves_per_game = Rate(candidate.moves, match.games.size());
-  summary.mean_batch = match.metrics.mean_batch();
-  for (std::size_t action = 0; action < kActionCount; ++action) {
-    summary.action_shares[action] = Rate(candidate.actions[action], candidate.moves);
-  }
-  if (candidate.moves > 0) summary.ms_per_move = 1e3 * match.thread_seconds / candidate.moves;
-  if (candidate.searches > 0) summary.mean_depth = candidate.depth_sum / candidate.searches;
-  if (match.seconds > 0) {
-    summary.simulations_per_s = static_cast<double>(match.metrics.simulations) / match.seconds;
-  }
-  if (candidate.predictions > 0) {
-    summary.prediction_accuracy = Rate(candidate.predictions_right, candidate.predictions);
-  }
-  return summary;
-}
-
-Difference Compare(const Match& candidate, const Match& base) {
-  CHECK(candidate.games.size() == base.games.size());
-  RunningStatistics wins;
-  RunningStatistics points;
-  for (std::size_t i = 0; i < base.games.size(); ++i) {
-    const int ours = candidate.games[i].outcomes[0];
-    const int theirs = base.games[i].outcomes[0];
-    wins.Add((ours > 0 ? 1 : 0) - (theirs > 0 ? 1 : 0));
-    points.Add(0.5 * (ours - theirs));
-  }
-  return {wins.mean(), wins.MeanInterval(), points.mean(), points.MeanInterval()};
-}
-
 std::string ReportText(std::span<const Contender> contenders) {
   std::string text;
   for (const Contender& contender : contenders) text += ContenderText(contender) + "\n";
-  for (std::size_t i = 1; i < contenders.size(); ++i) {
-    text += DifferenceText(contenders[i], contenders[0]);
-  }
-  return text;
+  return contenders.size() > 1 ? text + TableText(contenders) : text;
 }
 
 std::string ReportJson(std::span<const Contender> contenders) {
@@ -179,16 +270,31 @@ std::string ReportJson(std::span<const Contender> contenders) {
   return text + "]}\n";
 }
 
-std::string ReportCsv(std::span<const Contender> contenders) {
-  std::string text = "agent,game,seed,seat,outcome,steps,moves,simulations\n";
+std::string TableCsv(std::span<const Contender> contenders) {
+  std::string text;
+  for (std::size_t i = 0; i < contenders.size(); ++i) {
+    const Contender& contender = contenders[i];
+    if (i == 0) text += TableHeader(contender);
+    text += StrCat(i, ",", SeriesOf(contenders, contender));
+    for (const Figure& figure : FiguresOf(contender)) text += "," + Number(figure.value, "");
+    for (const std::uint64_t moves : contender.summary.heat_map) text += StrCat(",", moves);
+    text += "," + Quoted(contender.agent) + "," + Quoted(contender.opponents) + "\n";
+  }
+  return text;
+}
+
+std::string GamesCsv(std::span<const Contender> contenders) {
+  std::string text =
+      "agent,game,seed,seat,outcome,steps,moves,simulations,bombs,kicks,kills,own_deaths\n";
   for (const Contender& contender : contenders) {
     for (const PlayedGame& game : contender.match.games) {
       const SeatStatistics& statistics = game.statistics[0];
-      text +=
-          Quoted(contender.agent) + Format(",%d,%llu,%d,%d,%d,%u,%llu\n", game.number,
-                                           static_cast<unsigned long long>(game.seed), game.seat,
-                                           game.outcomes[0], game.steps, statistics.moves,
-                                           static_cast<unsigned long long>(statistics.simulations));
+      text += Quoted(contender.agent) +
+              Format(",%d,%llu,%d,%d,%d,%u,%llu,%u,%u,%u,%u\n", game.number,
+                     static_cast<unsigned long long>(game.seed), game.seat, game.outcomes[0],
+                     game.steps, statistics.moves,
+                     static_cast<unsigned long long>(statistics.simulations), statistics.bombs,
+                     statistics.kicks, statistics.kills, statistics.own_deaths);
     }
   }
   return text;

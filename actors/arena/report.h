@@ -1,57 +1,43 @@
 #pragma once
 
-// What a match says: figures with intervals, as a table, JSON and CSV.
+// What a contest says: for people, as JSON, and as CSV by agent and by game.
 
-#include <array>
+#include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
+#include "actors/arena/contest.h"
 #include "actors/arena/match.h"
-#include "common/base/stats.h"
+#include "actors/arena/summary.h"
 
 namespace powderkeg {
-
-// A match as seen by its candidate: role 0, in team modes together with its mate.
-struct MatchSummary {
-  MatchScore score;
-  RunningStatistics steps;                           // per game
-  double mean_depth = 0;                             // environment steps; 0 without searches
-  double ms_per_move = 0;                            // of one thread, the whole game included
-  double simulations_per_s = 0;                      // of all threads
-  double mean_batch = 0;                             // positions per evaluation
-  double moves_per_game = 0;                         // steps the candidate lived
-  double prediction_accuracy = -1;                   // at the root; -1: nothing predicted
-  std::array<double, kActionCount> action_shares{};  // sum 1
-};
-
-[[nodiscard]] MatchSummary Summarize(const MatchSettings& settings, const Match& match);
-
-// How much better `candidate` did than `base` on the same boards, with 95 % intervals from the
-// differences game by game.
-struct Difference {
-  double win_rate = 0;
-  Interval win_interval;
-  double score = 0;  // points per game, a tie counts 1/2
-  Interval score_interval;
-};
-// Requires matches of the same number of games.
-[[nodiscard]] Difference Compare(const Match& candidate, const Match& base);
 
 // One measured agent of a report.
 struct Contender {
   std::string agent;  // as specified
   std::string opponents;
+  int simulations = 0;  // of its search per move; 0: it does not search
   Match match;
+  std::optional<TestState> test;  // of the question about it
   MatchSummary summary;
+  std::optional<Difference> difference;  // to the first contender; not of the first itself
 };
 
-// For people: a block per contender, then the differences to the first.
+// A block per contender and, where there are several, a table with a line for each.
 [[nodiscard]] std::string ReportText(std::span<const Contender> contenders);
-// One JSON object: {"contenders": [{"agent", "opponents", "games", "win", "win_low", ...}, ...]};
-// rates are 0 to 1, intervals 95 %.
+
+// One JSON object, {"contenders": [{"agent": ..., FIGURE: NUMBER, ..., "heat_map": [[row 0], ...]},
+// ...]}; a contender with a question has "question", "answer" ("open" or a number as text) and
+// "log_likelihood_ratio" too. The figures are the columns of TableCsv. Rates are 0 to 1, intervals
+// 95 %; null stands for what is infinite or was not measured.
 [[nodiscard]] std::string ReportJson(std::span<const Contender> contenders);
-// One line per contender and game: agent,game,seed,seat,outcome,steps,moves,simulations.
-[[nodiscard]] std::string ReportCsv(std::span<const Contender> contenders);
+
+// One line per contender: its number, the series it belongs to (the number of the first contender
+// that differs in simulations alone), every figure, cell_0 to cell_120 (row by row), and in the end
+// agent and opponents in quotes. Empty: infinite or not measured. deploy/plot-arena draws it.
+[[nodiscard]] std::string TableCsv(std::span<const Contender> contenders);
+
+// One line per contender and game; the acts are those of role 0.
+[[nodiscard]] std::string GamesCsv(std::span<const Contender> contenders);
 
 }  // namespace powderkeg

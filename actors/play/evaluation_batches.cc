@@ -1,8 +1,43 @@
 #include "actors/play/evaluation_batches.h"
 
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <string>
 #include <utility>
 
 namespace powderkeg {
+namespace {
+
+bool IsFinite(const Evaluation& evaluation) {
+  return std::isfinite(evaluation.value) &&
+         std::ranges::all_of(evaluation.policy, [](float p) { return std::isfinite(p); });
+}
+
+std::string ToText(const Evaluation& evaluation) {
+  std::string text = "policy";
+  for (const float probability : evaluation.policy) text += StrCat(" ", probability);
+  return StrCat(text, ", value ", evaluation.value);
+}
+
+void CheckAnswers(const Evaluator& evaluator, std::span<const Position> positions,
+                  std::span<const Evaluation> evaluations) {
+  const auto bad = std::ranges::find_if_not(evaluations, IsFinite);
+  if (bad == evaluations.end()) return;
+  throw BadEvaluation(evaluator, positions[static_cast<std::size_t>(bad - evaluations.begin())],
+                      *bad);
+}
+
+}  // namespace
+
+BadEvaluation::BadEvaluation(const Evaluator& evaluator, const Position& position,
+                             const Evaluation& evaluation)
+    : Error(StrCat("evaluator ", evaluator.name(), " answered ", ToText(evaluation), " for agent ",
+                   position.viewer, " at step ", position.state->step,
+                   ": expected finite numbers")),
+      evaluator_(&evaluator),
+      state_(*position.state),
+      viewer_(position.viewer) {}
 
 EvaluationBatch& EvaluationBatches::For(Evaluator& evaluator) {
   for (Group& group : groups_) {
@@ -16,7 +51,9 @@ int EvaluationBatches::Evaluate(const GameSettings& settings) {
   int batches = 0;
   for (Group& group : groups_) {
     if (group.batch.size() == 0) continue;
-    group.evaluator->Evaluate(settings, group.batch.positions(), group.batch.AllocateEvaluations());
+    const std::span<Evaluation> evaluations = group.batch.AllocateEvaluations();
+    group.evaluator->Evaluate(settings, group.batch.positions(), evaluations);
+    CheckAnswers(*group.evaluator, group.batch.positions(), evaluations);
     ++batches;
   }
   return batches;

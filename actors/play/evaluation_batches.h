@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/base/check.h"
 #include "common/model/evaluator.h"
 #include "common/pommerman/game_settings.h"
 
@@ -17,6 +18,23 @@ struct Model {
   std::uint32_t weights_version = 0;  // of its weights; 0 for the uniform evaluator
 };
 
+// An evaluator answered with something that is not a number; says which evaluator and what.
+class BadEvaluation : public Error {
+ public:
+  BadEvaluation(const Evaluator& evaluator, const Position& position, const Evaluation& evaluation);
+
+  // Not to be used but for comparing.
+  [[nodiscard]] const Evaluator* evaluator() const { return evaluator_; }
+  // The position that was asked about, and whose view of it.
+  [[nodiscard]] const State& state() const { return state_; }
+  [[nodiscard]] AgentId viewer() const { return viewer_; }
+
+ private:
+  const Evaluator* evaluator_;
+  State state_;
+  AgentId viewer_;
+};
+
 // One round of questions and answers: For and Add, Evaluate, For and read, Clear. Evaluators must
 // outlive the round. One thread.
 class EvaluationBatches {
@@ -25,7 +43,7 @@ class EvaluationBatches {
   [[nodiscard]] EvaluationBatch& For(Evaluator& evaluator);
 
   // Lets every evaluator that was asked answer its batch. Blocks. Returns the number of batches
-  // that were not empty.
+  // that were not empty. Throws BadEvaluation for the first answer that is not finite.
   int Evaluate(const GameSettings& settings);
 
   // Questions asked since Clear, to all evaluators together.

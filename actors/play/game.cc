@@ -8,17 +8,6 @@
 
 namespace powderkeg {
 
-SeatStatistics& SeatStatistics::operator+=(const SeatStatistics& other) {
-  moves += other.moves;
-  for (int action = 0; action < kActionCount; ++action) actions[action] += other.actions[action];
-  searches += other.searches;
-  simulations += other.simulations;
-  depth_sum += other.depth_sum;
-  predictions += other.predictions;
-  predictions_right += other.predictions_right;
-  return *this;
-}
-
 void Game::Start(const GamePlan& plan) {
   plan_ = plan;
   const GameSetup& setup = plan_.setup;
@@ -27,6 +16,8 @@ void Game::Start(const GamePlan& plan) {
   record_.ticket = plan_.ticket;
   record_.setup = setup;
   statistics_ = {};
+  watcher_ = {};
+  recent_cells_ = {};
   for (AgentId seat = kAgentCount - 1; seat >= 0; --seat) {
     const Player& player = plan_.players[seat];
     if (!setup.seats[seat].searches) {
@@ -113,7 +104,9 @@ void Game::PlayStep() {
   }
   record_.actions.push_back(actions_);
   const GameSettings& settings = plan_.setup.settings;
+  const State before = state_;
   Step(settings, actions_, state_);
+  CountEvents(watcher_.Watch(settings, before, actions_, state_), settings.mode, statistics_);
   record_.outcome = OutcomeOf(settings, state_);
   over_ = record_.outcome.done || EndsByDeath();
   if (over_) return;
@@ -125,6 +118,7 @@ void Game::RecordMove(AgentId seat) {
   SeatStatistics& statistics = statistics_[seat];
   ++statistics.moves;
   ++statistics.actions[static_cast<std::size_t>(actions_[seat])];
+  CountCell(state_.agents[seat].cell, recent_cells_[seat], statistics);
   if (!plan_.setup.seats[seat].searches) return;
   const Player& player = plan_.players[seat];
   if (std::optional<Decision> decision = player.agent->decision()) {

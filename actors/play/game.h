@@ -7,6 +7,8 @@
 
 #include "actors/play/agent.h"
 #include "actors/play/evaluation_batches.h"
+#include "actors/play/seat_statistics.h"
+#include "actors/play/step_events.h"
 #include "common/record/game_record.h"
 #include "common/record/rule_based_seat.h"
 
@@ -29,19 +31,6 @@ struct GamePlan {
     kLastSearchDeath,  // or until no searching seat lives
   };
   End end = End::kOfficial;
-};
-
-// What happened at one seat, summed over a game.
-struct SeatStatistics {
-  std::uint32_t moves = 0;  // steps in which the agent lived
-  std::array<std::uint32_t, kActionCount> actions{};
-  std::uint32_t searches = 0;  // moves with simulations
-  std::uint64_t simulations = 0;
-  double depth_sum = 0;           // of the mean depths, over `searches`
-  std::uint32_t predictions = 0;  // opponents' actions predicted at the root
-  std::uint32_t predictions_right = 0;
-
-  SeatStatistics& operator+=(const SeatStatistics& other);
 };
 
 // Plays GamePlans, one after the other. Rule-based seats decide on the true position (their rules
@@ -94,7 +83,9 @@ class Game {
   JointAction actions_{};
   bool over_ = true;
   GameRecord record_;
-  std::array<SeatStatistics, kAgentCount> statistics_{};
+  GameStatistics statistics_{};
+  StepWatcher watcher_;
+  std::array<RecentCells, kAgentCount> recent_cells_;
 };
 
 }  // namespace powderkeg

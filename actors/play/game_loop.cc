@@ -48,6 +48,10 @@ void GameLoop::SetModel(const Model& model) {
   }
 }
 
+const Game* GameLoop::running_game(int slot) const {
+  return slots_[slot].playing ? &slots_[slot].game : nullptr;
+}
+
 int GameLoop::games_running() const {
   return static_cast<int>(std::ranges::count_if(slots_, &Slot::playing));
 }

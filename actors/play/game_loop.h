@@ -51,6 +51,8 @@ class GameLoop {
   // Lets `model` answer in every game that is running (later games bring their own).
   void SetModel(const Model& model);
 
+  // The game that the slot is playing, or nullptr.
+  [[nodiscard]] const Game* running_game(int slot) const;
   // Games being played now.
   [[nodiscard]] int games_running() const;
   [[nodiscard]] const LoopMetrics& metrics() const { return metrics_; }

@@ -49,14 +49,19 @@ double UpperGammaFraction(double a, double x) {
 Interval WilsonInterval(std::uint64_t successes, std::uint64_t trials, double quantile) {
   CHECK(successes <= trials, successes, " of ", trials);
   if (trials == 0) return {0, 1};
+  return ScoreInterval(static_cast<double>(successes) / static_cast<double>(trials), trials,
+                       quantile);
+}
+
+Interval ScoreInterval(double mean, std::uint64_t trials, double quantile) {
+  CHECK(mean >= 0 && mean <= 1, mean);
+  if (trials == 0) return {0, 1};
   const double n = static_cast<double>(trials);
-  const double p = static_cast<double>(successes) / n;
   const double z2 = quantile * quantile;
-  const double centre = p + z2 / (2 * n);
-  const double radius = quantile * std::sqrt(p * (1 - p) / n + z2 / (4 * n * n));
+  const double centre = mean + z2 / (2 * n);
+  const double radius = quantile * std::sqrt(mean * (1 - mean) / n + z2 / (4 * n * n));
   const double scale = 1 + z2 / n;
-  return {successes == 0 ? 0 : (centre - radius) / scale,
-          successes == trials ? 1 : (centre + radius) / scale};
+  return {mean <= 0 ? 0 : (centre - radius) / scale, mean >= 1 ? 1 : (centre + radius) / scale};
 }
 
 void RunningStatistics::Add(double sample) {

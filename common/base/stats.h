@@ -23,6 +23,11 @@ inline constexpr double kNormal95 = 1.959963984540054;
 [[nodiscard]] Interval WilsonInterval(std::uint64_t successes, std::uint64_t trials,
                                       double quantile = kNormal95);
 
+// The same for the mean of a figure that lies in [0, 1] in every trial, such as points per game: as
+// wide as if it were 0 or 1 every time, which is never too narrow. Requires a mean in [0, 1].
+[[nodiscard]] Interval ScoreInterval(double mean, std::uint64_t trials,
+                                     double quantile = kNormal95);
+
 // Mean and spread of a stream of numbers (Welford 1962). A value.
 class RunningStatistics {
  public:

@@ -1,17 +1,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
 #include <sstream>
 
+#include "actors/arena/contest.h"
 #include "actors/arena/match.h"
-#include "actors/arena/progress.h"
-#include "actors/arena/report.h"
+#include "common/pommerman/board_text.h"
 
 namespace powderkeg {
 namespace {
 
 using ::testing::HasSubstr;
-using namespace std::chrono_literals;
 
 const ModelLoader kNoModels = [](const std::string& file) -> Model {
   throw Error("no model " + file);
@@ -89,100 +92,197 @@ TEST(Match, ReportsAModelThatCannotBeLoaded) {
   EXPECT_THROW((void)PlayQuietly(LineupOf("search:model=absent", "idle"), settings), Error);
 }
 
-PlayedGame GameWith(int number, int outcome, int steps) {
-  PlayedGame game;
-  game.number = number;
-  game.outcomes[0] = static_cast<std::int8_t>(outcome);
-  game.steps = steps;
-  SeatStatistics& statistics = game.statistics[0];
-  statistics.moves = 10;
-  statistics.actions = {5, 1, 1, 1, 1, 1};
-  statistics.searches = 8;
-  statistics.simulations = 800;
-  statistics.depth_sum = 80;
-  statistics.predictions = 20;
-  statistics.predictions_right = 15;
-  return game;
-}
-
-Match MatchOf(const std::vector<int>& outcomes) {
-  Match match;
-  for (const int outcome : outcomes) {
-    const int number = static_cast<int>(match.games.size());
-    match.games.push_back(GameWith(number, outcome, 100 + number));
-    match.metrics.simulations += 800;
+// Answers what is no number from a batch on.
+class FailingEvaluator final : public Evaluator {
+ public:
+  explicit FailingEvaluator(int good_batches) : good_batches_(good_batches) {}
+  void Evaluate(const GameSettings& settings, std::span<const Position> positions,
+                std::span<Evaluation> evaluations) override {
+    UniformEvaluator().Evaluate(settings, positions, evaluations);
+    if (good_batches_-- > 0) return;
+    evaluations.back().policy[3] = std::numeric_limits<float>::quiet_NaN();
+    asked = ToText(*positions.back().state);
   }
-  match.metrics.evaluations = 100;
-  match.metrics.batches = 10;
-  match.seconds = 2;
-  match.thread_seconds = 4;
-  return match;
+  [[nodiscard]] std::string name() const override { return "failing"; }
+
+  std::string asked;
+
+ private:
+  int good_batches_;
+};
+
+std::string TextOf(const std::string& path) {
+  std::ifstream file(path);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
 }
 
-TEST(Report, SummarisesAMatch) {
-  const MatchSummary summary = Summarize(MatchSettings(), MatchOf({1, 1, 0, -1}));
-  EXPECT_EQ(summary.score, (MatchScore{.wins = 2, .ties = 1, .losses = 1}));
-  EXPECT_DOUBLE_EQ(summary.steps.mean(), 101.5);
-  EXPECT_DOUBLE_EQ(summary.mean_depth, 10);
-  EXPECT_DOUBLE_EQ(summary.ms_per_move, 100);
-  EXPECT_DOUBLE_EQ(summary.simulations_per_s, 1600);
-  EXPECT_DOUBLE_EQ(summary.mean_batch, 10);
-  EXPECT_DOUBLE_EQ(summary.prediction_accuracy, 0.75);
-  EXPECT_DOUBLE_EQ(summary.action_shares[0], 0.5);
-}
-
-TEST(Report, ComparesBoardByBoard) {
-  const Difference difference = Compare(MatchOf({1, 1, 0, -1}), MatchOf({1, -1, -1, -1}));
-  EXPECT_DOUBLE_EQ(difference.win_rate, 0.25);
-  EXPECT_DOUBLE_EQ(difference.score, 0.375);
-  EXPECT_NEAR(difference.win_interval.low, 0.25 - 1.959963984540054 * 0.25, 1e-12);
-  const Difference none = Compare(MatchOf({1, 0}), MatchOf({1, 0}));
-  EXPECT_EQ(none.win_interval, (Interval{0, 0}));
-}
-
-TEST(Report, ShowsFiguresAsTextJsonAndCsv) {
-  std::vector<Contender> contenders;
-  for (const char* agent : {"search:model=\"a\\b\"", "idle"}) {
-    Contender contender{agent, "simple_unbiased", MatchOf({1, 1, 0, -1}), {}};
-    contender.summary = Summarize(MatchSettings(), contender.match);
-    contenders.push_back(contender);
+TEST(Match, StopsWithThePositionWhereANetworkAnswersNoNumber) {
+  const std::string path =
+      (std::filesystem::path(testing::TempDir()) / "arena-position-test.txt").string();
+  const auto evaluator = std::make_shared<FailingEvaluator>(/*good_batches=*/20);
+  const ModelLoader loader = [&](const std::string&) -> Model { return {evaluator, 1}; };
+  MatchSettings settings{.games = 1000, .threads = 1};
+  settings.position_file = path;
+  try {
+    (void)PlayMatch(LineupOf("raw:model=broken", "idle"), settings, loader,
+                    [](const PlayedGame&) {});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("agent raw:model=broken: evaluator failing answered"));
+    EXPECT_THAT(error.what(), HasSubstr("nan"));
+    EXPECT_THAT(error.what(), HasSubstr("the position is saved in " + path));
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
   }
-  const std::string text = ReportText(contenders);
-  EXPECT_THAT(text, HasSubstr("win     0.500  [0.150, 0.850]  2"));
-  EXPECT_THAT(text, HasSubstr("predicted at the root: 75.0 %"));
-  EXPECT_THAT(text, HasSubstr("against the first, board by board: win +0.000 [+0.000, +0.000]"));
-  const std::string json = ReportJson(contenders);
-  EXPECT_THAT(json, HasSubstr(R"("agent": "search:model=\"a\\b\"", "opponents")"));
-  EXPECT_THAT(json, HasSubstr(R"("win": 0.500000, "win_low": 0.150039)"));
-  EXPECT_THAT(json, HasSubstr(R"("actions": {"stop": 0.50000, "up": 0.10000)"));
-  EXPECT_THAT(ReportCsv(contenders), HasSubstr("\n\"idle\",3,0,0,-1,103,10,800\n"));
+  EXPECT_EQ(ToText(FromText(TextOf(path))), evaluator->asked);
+  std::filesystem::remove(path);
 }
 
-TEST(Progress, PrintsPlainLinesAtMostEveryTenSecondsAndTheLastOne) {
-  std::ostringstream out;
-  const Progress::Clock::time_point start;
-  Progress progress(out, Progress::Style::kPlain, "idle", /*games=*/4, start);
-  progress.AddGame(GameWith(0, 1, 100), start + 1s);
-  progress.AddGame(GameWith(1, 1, 100), start + 11s);
-  progress.AddGame(GameWith(2, 0, 100), start + 12s);
-  progress.AddGame(GameWith(3, -1, 100), start + 13s);
-  progress.Finish();
-  EXPECT_EQ(out.str(),
-            "idle: 4 games\n"
-            "2/4  win 1.000 [0.342, 1.000]  tie 0.000  loss 0.000  11 s left\n"
-            "4/4  win 0.500 [0.150, 0.850]  tie 0.250  loss 0.250  0 s left\n");
+// The others do not play on for hours, and one of them tells.
+TEST(Match, StopsAllThreadsForTheErrorOfOne) {
+  const ModelLoader loader = [](const std::string&) -> Model {
+    return {std::make_shared<FailingEvaluator>(/*good_batches=*/3), 1};
+  };
+  MatchSettings settings{.games = 1'000'000, .threads = 4};
+  settings.position_file = "/absent/position.txt";
+  try {
+    (void)PlayMatch(LineupOf("search:simulations=2,model=broken", "idle"), settings, loader,
+                    [](const PlayedGame&) {});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("could not be saved in /absent/position.txt"));
+  }
 }
 
-TEST(Progress, WritesOverOneLineOnATerminal) {
-  std::ostringstream out;
-  const Progress::Clock::time_point start;
-  Progress progress(out, Progress::Style::kTerminal, "idle", /*games=*/2, start);
-  progress.AddGame(GameWith(0, 1, 100), start + 1s);
-  progress.AddGame(GameWith(1, 1, 100), start + 2s);
-  progress.Finish();
-  EXPECT_THAT(out.str(), HasSubstr("\r[============            ] 1/2"));
-  EXPECT_THAT(out.str(), HasSubstr("\r[========================] 2/2"));
-  EXPECT_EQ(out.str().back(), '\n');
+TEST(Match, EndsWhereTheObserverHasEnoughWhateverTheThreads) {
+  const Lineup lineup = LineupOf("search:simulations=2", "simple_unbiased");
+  for (const int threads : {1, 4}) {
+    MatchPlayer player(lineup, {.games = 200, .threads = threads, .games_in_flight = 3}, kNoModels);
+    std::vector<int> seen;
+    player.Play(200, {.on_game = [](const PlayedGame&) {},
+                      .is_enough =
+                          [&](const PlayedGame& game) {
+                            seen.push_back(game.number);
+                            return game.number == 6;
+                          }});
+    EXPECT_EQ(seen, (std::vector<int>{0, 1, 2, 3, 4, 5, 6})) << threads;
+    const std::vector<std::array<int, 3>> figures = FiguresOf(player.match());
+    EXPECT_EQ(figures, FiguresOf(PlayQuietly(lineup, {.games = 7}))) << threads;
+    // Games cut off are in the time, and so their moves are counted with it.
+    std::uint64_t moves = 0;
+    for (const PlayedGame& game : player.match().games) moves += game.statistics[0].moves;
+    EXPECT_GE(player.match().timed_moves, moves);
+  }
+}
+
+TEST(Match, GoesOnWhereItPaused) {
+  const Lineup lineup = LineupOf("random", "simple_unbiased");
+  const MatchObserver quiet{.on_game = [](const PlayedGame&) {}, .is_enough = nullptr};
+  MatchPlayer player(lineup, {.games = 20}, kNoModels);
+  player.Play(5, quiet);
+  player.Play(15, quiet);
+  EXPECT_EQ(FiguresOf(player.match()), FiguresOf(PlayQuietly(lineup, {.games = 20})));
+  player.KeepFirst(3);
+  EXPECT_EQ(player.match().games.size(), 3u);
+}
+
+TEST(Match, MeasuresAnAgentWithItselfAsMateInBothSeats) {
+  MatchSettings settings{.game = GameSettingsFor("PommeTeamCompetition-v0").value(), .games = 2};
+  Lineup lineup = LineupOf("random", "idle");
+  EXPECT_EQ(PlayQuietly(lineup, settings).roles, std::vector<int>{0});
+  lineup[2] = lineup[0];
+  EXPECT_EQ(PlayQuietly(lineup, settings).roles, (std::vector<int>{0, 2}));
+  settings.game = {};
+  EXPECT_EQ(PlayQuietly(lineup, settings).roles, std::vector<int>{0});
+}
+
+ContestSettings ContestOf(int games, const std::string& question = "", int min_games = 1) {
+  ContestSettings settings;
+  settings.match.games = games;
+  if (!question.empty()) settings.question = ParseQuestion(question);
+  settings.min_games = min_games;
+  return settings;
+}
+
+// Writes down who was told what.
+class Notes final : public ContestWatcher {
+ public:
+  void Began(int agent) override { turns.push_back(agent); }
+  void Played(int agent, const PlayedGame&) override { ++games[agent]; }
+  void Tested(int agent, const TestState& state) override {
+    EXPECT_EQ(state.games, ++tests[agent]);
+  }
+  void Paused(int agent) override { EXPECT_EQ(agent, turns.back()); }
+
+  std::vector<int> turns;
+  std::map<int, int> games;
+  std::map<int, std::uint64_t> tests;
+};
+
+TEST(Contest, PlaysEveryAgentOnTheSameBoards) {
+  Notes notes;
+  const std::vector<Lineup> lineups = {LineupOf("idle", "random"), LineupOf("random", "random")};
+  const auto results = PlayContest(lineups, ContestOf(8), kNoModels, notes);
+  ASSERT_EQ(results.size(), 2u);
+  for (int game = 0; game < 8; ++game) {
+    EXPECT_EQ(results[0].match.games[game].seed, results[1].match.games[game].seed);
+  }
+  EXPECT_EQ(results[0].test, std::nullopt);
+  EXPECT_EQ(notes.turns, (std::vector<int>{0, 1}));
+  EXPECT_EQ(notes.games, (std::map<int, int>{{0, 8}, {1, 8}}));
+}
+
+TEST(Contest, AnswersAWinRateForEachAgentOnItsOwn) {
+  Notes notes;
+  const std::vector<Lineup> lineups = {LineupOf("simple_unbiased", "idle"),
+                                       LineupOf("idle", "simple_unbiased")};
+  ContestSettings settings = ContestOf(5000, "win_rate=0.3..0.6", 10);
+  settings.match.threads = 2;
+  const auto results = PlayContest(lineups, settings, kNoModels, notes);
+  EXPECT_EQ(results[0].test->answer, Answer::kHigh);
+  EXPECT_EQ(results[1].test->answer, Answer::kLow);
+  for (const ContestResult& result : results) {
+    EXPECT_EQ(result.match.games.size(), result.test->games);
+    EXPECT_LT(result.test->games, 100u);
+    EXPECT_GE(result.test->games, 10u);
+  }
+  settings.match.threads = 1;
+  settings.match.games_in_flight = 1;
+  Notes others;
+  EXPECT_EQ(PlayContest(lineups, settings, kNoModels, others)[0].test->games,
+            results[0].test->games);
+}
+
+TEST(Contest, AnswersAScoreDifferenceWithTheTwoTakingTurns) {
+  Notes notes;
+  const std::vector<Lineup> lineups = {LineupOf("simple_unbiased", "simple_unbiased"),
+                                       LineupOf("random", "simple_unbiased")};
+  const ContestSettings settings = ContestOf(5000, "score_difference=-0.2..0", 30);
+  const auto results = PlayContest(lineups, settings, kNoModels, notes);
+  EXPECT_EQ(results[0].test, std::nullopt);
+  EXPECT_EQ(results[1].test->answer, Answer::kLow);
+  EXPECT_EQ(results[0].match.games.size(), results[1].match.games.size());
+  EXPECT_EQ(results[1].match.games.size(), results[1].test->games);
+  EXPECT_EQ(notes.turns[0], 0);
+  EXPECT_EQ(notes.turns[1], 1);
+}
+
+TEST(Contest, LeavesAQuestionOpenAfterTheLastGame) {
+  Notes notes;
+  const std::vector<Lineup> lineups = {LineupOf("random", "random"), LineupOf("random", "random")};
+  const ContestSettings settings = ContestOf(60, "score_difference=0..0.01", 20);
+  const auto results = PlayContest(lineups, settings, kNoModels, notes);
+  EXPECT_EQ(results[1].test->answer, Answer::kOpen);
+  EXPECT_EQ(results[1].test->games, 60u);
+  EXPECT_EQ(results[0].match.games.size(), 60u);
+}
+
+TEST(Contest, RefusesAScoreDifferenceOfOneAgent) {
+  Notes notes;
+  const std::vector<Lineup> lineups = {LineupOf("random", "random")};
+  const ContestSettings settings = ContestOf(5, "score_difference=0..0.01");
+  EXPECT_THROW((void)PlayContest(lineups, settings, kNoModels, notes), Error);
 }
 
 }  // namespace
