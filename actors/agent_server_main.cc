@@ -4,25 +4,31 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <iostream>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "actors/evaluator_choice.h"
 #include "actors/http/agent_service.h"
 #include "actors/http/http_server.h"
 #include "actors/play/factory.h"
+#include "actors/run_main.h"
 #include "common/base/check.h"
 #include "common/base/log.h"
+#include "common/model/evaluation_cache.h"
 #include "common/model/weights_snapshot.h"
 
 namespace powderkeg {
 namespace {
 
-// Under a clock: simulations that no move reaches, and leaves that fill a batch.
+// Under a clock: simulations that no move reaches, and leaves that keep a thread busy for about a
+// millisecond of the published network.
 constexpr int kEnoughSimulations = 20'000;
-constexpr int kLeavesUnderClock = 8;
+constexpr int kLeavesPerThread = 4;
+
+// More threads than this share the leaves of one search badly.
+constexpr int kMostThreads = 4;
 
 struct Arguments {
   std::vector<std::string> agents;
@@ -32,7 +38,10 @@ struct Arguments {
   int simulations = 0;   // 0: as the agent says
   int move_time_ms = 0;  // 0: no clock
   std::uint64_t seed = 1;
-  EvaluatorChoice evaluator;
+  std::string log_level = "info";
+  EvaluatorChoice evaluator{
+      .threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads),
+      .cache_mb = 16};
 };
 
 void AddOptions(CLI::App& app, Arguments& arguments) {
@@ -51,6 +60,15 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--evaluator", arguments.evaluator.evaluator,
                  "of agents with a model: auto, uniform, onednn, torch");
   app.add_option("--precision", arguments.evaluator.precision, "auto, fp32, bf16, fp16");
+  app.add_option("--evaluator-threads", arguments.evaluator.threads,
+                 StrCat("processors that answer the questions of a search, each part of them (",
+                        arguments.evaluator.threads, "); only with onednn"))
+      ->check(CLI::Range(1, 64));
+  app.add_option("--cache-mb", arguments.evaluator.cache_mb,
+                 "memory for answers given before (16); 0: none")
+      ->check(CLI::Range(0, 4096));
+  app.add_option("--log-level", arguments.log_level,
+                 "debug (also names every move over 100 ms), info, warn or error");
 }
 
 // The agent's own words, changed by what holds for all.
@@ -59,8 +77,8 @@ AgentDescription DescriptionOf(const std::string& text, const Arguments& argumen
   if (arguments.simulations > 0) description.search.simulations = arguments.simulations;
   if (arguments.move_time_ms > 0) {
     description.search.simulations = kEnoughSimulations;
-    description.search.leaves_per_batch =
-        std::max(description.search.leaves_per_batch, kLeavesUnderClock);
+    description.search.leaves_per_batch = std::max(description.search.leaves_per_batch,
+                                                   kLeavesPerThread * arguments.evaluator.threads);
   }
   const bool thinks = description.kind != AgentDescription::Kind::kRuleBased;
   if (thinks && description.model_file.empty()) description.model_file = arguments.model;
@@ -100,20 +118,28 @@ std::vector<AgentDescription> AgentsOf(const Arguments& arguments) {
 
 // An agent on a port. The order matters: the server uses the service.
 struct Seat {
+  std::shared_ptr<Evaluator> evaluator;
   std::unique_ptr<AgentService> service;
   std::unique_ptr<HttpServer> server;
 };
 
+// Under a clock everything is ready before the first game.
 Seat Serve(const AgentDescription& agent, int port, const Arguments& arguments) {
+  const bool timed = arguments.move_time_ms > 0;
+  EvaluatorChoice choice = arguments.evaluator;
+  // For as many questions about models as about leaves.
+  if (timed) choice.largest_batch = 2 * agent.search.leaves_per_batch;
   const Model model = MakeModel(agent.model_file, [&](const std::string& file) -> Model {
     const Snapshot snapshot = LoadSnapshot(file);
-    return {MakeEvaluator(arguments.evaluator, snapshot), snapshot->version};
+    return {MakeEvaluator(choice, snapshot), snapshot->version};
   });
   Seat seat;
+  seat.evaluator = model.evaluator;
   seat.service = std::make_unique<AgentService>(
       MakeAgent(agent), model.evaluator,
       ServiceSettings{.move_time = std::chrono::milliseconds(arguments.move_time_ms),
                       .seed = arguments.seed});
+  if (timed) seat.service->WarmUp();
   seat.server = std::make_unique<HttpServer>(
       *seat.service, HttpServerSettings{.host = arguments.host, .port = port});
   log::Info("serving", "agent", agent.text, "evaluator", model.evaluator->name(), "host",
@@ -131,16 +157,35 @@ sigset_t BlockEndSignals() {
   return signals;
 }
 
+double Milliseconds(std::chrono::microseconds time) {
+  return std::chrono::duration<double, std::milli>(time).count();
+}
+
 void Report(const Seat& seat) {
-  const ServiceStatistics statistics = seat.service->statistics();
-  log::Info("served", "port", seat.server->port(), "games", statistics.games, "moves",
-            statistics.moves, "refused", statistics.refused, "slowest_move_ms",
-            static_cast<double>(statistics.slowest_move.count()) / 1000);
+  const int port = seat.server->port();
+  const ServiceStatistics served = seat.service->statistics();
+  const MoveTimes& slowest = served.slowest_move;
+  log::Info("served", "port", port, "games", served.games, "moves", served.moves, "refused",
+            served.refused, "over_100_ms", served.late_moves);
+  log::Info("slowest move", "port", port, "ms", Milliseconds(slowest.total()), "read_ms",
+            Milliseconds(slowest.read), "observe_ms", Milliseconds(slowest.observe), "think_ms",
+            Milliseconds(slowest.think));
+  if (served.searches == 0) return;
+  log::Info("searched", "port", port, "simulations_per_search",
+            served.simulations / served.searches, "questions_per_search",
+            served.evaluations / served.searches);
+  const auto* const cache = dynamic_cast<const EvaluationCache*>(seat.evaluator.get());
+  if (cache == nullptr || cache->misses() == 0) return;
+  const auto hits = static_cast<double>(cache->hits());
+  log::Info("cache", "port", port, "hit_share",
+            hits / (hits + static_cast<double>(cache->misses())), "evaluations_per_search",
+            cache->misses() / served.searches);
 }
 
 void Run(const Arguments& arguments) {
   const std::vector<AgentDescription> agents = AgentsOf(arguments);
   const sigset_t signals = BlockEndSignals();
+  log::Init(/*file=*/"", log::LevelFor(arguments.log_level));
   InitialiseEvaluators();
   std::vector<Seat> seats;
   for (std::size_t i = 0; i < agents.size(); ++i) {
@@ -159,11 +204,5 @@ int main(int argc, char** argv) {
   powderkeg::Arguments arguments;
   powderkeg::AddOptions(app, arguments);
   CLI11_PARSE(app, argc, argv);
-  try {
-    powderkeg::Run(arguments);
-  } catch (const powderkeg::Error& error) {
-    std::cerr << "agent_server: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return powderkeg::RunMain("agent_server", [&] { powderkeg::Run(arguments); });
 }

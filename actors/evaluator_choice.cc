@@ -1,7 +1,14 @@
 #include "actors/evaluator_choice.h"
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "actors/play/parallel_evaluator.h"
 #include "common/base/check.h"
+#include "common/model/evaluation_cache.h"
 #include "common/model/precision.h"
+#include "common/pommerman/generate.h"
 #ifdef POWDERKEG_HAS_ONEDNN
 #include "common/onednn/onednn_evaluator.h"
 #endif
@@ -49,6 +56,30 @@ std::unique_ptr<Evaluator> MakeTorch(const EvaluatorChoice&, const Snapshot&) {
 }
 #endif
 
+// "auto" resolved for this machine.
+std::string NameOf(const EvaluatorChoice& choice) {
+  if (choice.evaluator != "auto") return choice.evaluator;
+  return kHasOnednn && !HasCuda() ? "onednn" : "torch";
+}
+
+// Lets the evaluator answer batches of every size up to the largest.
+void Prepare(int largest_batch, Evaluator& evaluator) {
+  const State start = GenerateStart({}, {}, Rng(1));
+  EvaluationBatch batch;
+  for (int size = 1; size <= largest_batch; ++size) {
+    batch.Add({.state = &start, .viewer = 0});
+    evaluator.Evaluate({}, batch.positions(), batch.AllocateEvaluations());
+  }
+}
+
+std::unique_ptr<Evaluator> MakeOne(const std::string& name, const EvaluatorChoice& choice,
+                                   const Snapshot& snapshot) {
+  if (name == "uniform") return std::make_unique<UniformEvaluator>();
+  if (name == "onednn") return MakeOnednn(choice, snapshot);
+  if (name == "torch") return MakeTorch(choice, snapshot);
+  throw Error(StrCat("evaluator \"", name, "\": expected one of auto, uniform, onednn, torch"));
+}
+
 }  // namespace
 
 void InitialiseEvaluators() {
@@ -58,14 +89,19 @@ void InitialiseEvaluators() {
 }
 
 std::unique_ptr<Evaluator> MakeEvaluator(const EvaluatorChoice& choice, const Snapshot& snapshot) {
-  if (choice.evaluator == "uniform") return std::make_unique<UniformEvaluator>();
-  if (choice.evaluator == "onednn") return MakeOnednn(choice, snapshot);
-  if (choice.evaluator == "torch") return MakeTorch(choice, snapshot);
-  if (choice.evaluator == "auto") {
-    return kHasOnednn && !HasCuda() ? MakeOnednn(choice, snapshot) : MakeTorch(choice, snapshot);
+  const std::string name = NameOf(choice);
+  const int threads = name == "onednn" ? std::max(choice.threads, 1) : 1;
+  std::vector<std::unique_ptr<Evaluator>> evaluators;
+  for (int i = 0; i < threads; ++i) {
+    evaluators.push_back(MakeOne(name, choice, snapshot));
+    Prepare(choice.largest_batch, *evaluators.back());
   }
-  throw Error(
-      StrCat("evaluator \"", choice.evaluator, "\": expected one of auto, uniform, onednn, torch"));
+  std::unique_ptr<Evaluator> evaluator =
+      threads == 1 ? std::move(evaluators.front())
+                   : std::make_unique<ParallelEvaluator>(std::move(evaluators));
+  if (choice.cache_mb == 0 || name == "uniform") return evaluator;
+  const auto bytes = static_cast<std::size_t>(choice.cache_mb) << 20;
+  return std::make_unique<EvaluationCache>(std::move(evaluator), bytes);
 }
 
 }  // namespace powderkeg

@@ -16,12 +16,16 @@ struct EvaluatorChoice {
                                    // device, else onednn, else torch
   std::string precision = "auto";  // auto | fp32 | bf16 | fp16; auto: fp16 on CUDA, bf16 where the
                                    // processor has it, else fp32
+  int threads = 1;                 // that share each batch; more than one only with onednn
+  int cache_mb = 0;                // of memory for answers given before (EvaluationCache); 0: none
+  int largest_batch = 0;  // up to this size no batch is the first of its size: the evaluator has
+                          // prepared itself, which takes tens of milliseconds for each size
 };
 
 // Prepares the process for the evaluators built in. Call once, before threads start.
 void InitialiseEvaluators();
 
-// One for each thread. Throws Error if the choice is unknown or not built in.
+// One for each calling thread. Throws Error if the choice is unknown or not built in.
 [[nodiscard]] std::unique_ptr<Evaluator> MakeEvaluator(const EvaluatorChoice& choice,
                                                        const Snapshot& snapshot);
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/base/check.h"
+#include "actors/run_main.h"
 #include "common/wire/keys.h"
 
 namespace powderkeg {
@@ -35,11 +35,5 @@ int main(int argc, char** argv) {
   app.add_option("folder", folder, "where the keys are")->required();
   app.add_option("actors", actors, "names of actors");
   CLI11_PARSE(app, argc, argv);
-  try {
-    powderkeg::MakeKeys(folder, actors);
-  } catch (const powderkeg::Error& error) {
-    std::cerr << "keys: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return powderkeg::RunMain("keys", [&] { powderkeg::MakeKeys(folder, actors); });
 }

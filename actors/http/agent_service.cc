@@ -8,14 +8,18 @@
 #include "common/base/check.h"
 #include "common/base/log.h"
 #include "common/pommerman/generate.h"
+#include "common/pommerman/step.h"
 
 namespace powderkeg {
 namespace {
 
 using Json = nlohmann::json;
 
-// A search that asks for 8 leaves at a time may add as many questions for its models.
-constexpr int kLargestBatch = 16;
+using std::chrono::microseconds;
+
+microseconds Between(AgentService::Clock::time_point from, AgentService::Clock::time_point to) {
+  return std::chrono::duration_cast<microseconds>(to - from);
+}
 
 ServiceReply Success() { return {.body = Json{{"success", true}}.dump()}; }
 
@@ -32,17 +36,20 @@ AgentService::AgentService(std::unique_ptr<Agent> agent, std::shared_ptr<Evaluat
                            const ServiceSettings& settings)
     : settings_(settings), agent_(std::move(agent)), evaluator_(std::move(evaluator)) {
   CHECK(agent_ != nullptr && evaluator_ != nullptr);
-  if (settings_.move_time.count() > 0) WarmUp();
 }
 
 void AgentService::WarmUp() {
-  const State start = GenerateStart({}, {}, Rng(settings_.seed));
-  for (int size = 1; size <= kLargestBatch; ++size) {
-    batch_.Clear();
-    for (int i = 0; i < size; ++i) batch_.Add({.state = &start, .viewer = 0});
-    evaluator_->Evaluate({}, batch_.positions(), batch_.AllocateEvaluations());
+  constexpr int kMoves = 4;
+  const std::lock_guard lock(mutex_);
+  const GameSettings settings;
+  State state = GenerateStart(settings, {}, Rng(settings_.seed));
+  agent_->StartGame(settings, /*self=*/0, Rng(settings_.seed));
+  for (int move = 0; move < kMoves && state.agents[0].alive; ++move) {
+    agent_->Begin(powderkeg::Observe(settings, state, 0));
+    const Action action = Think(settings, Clock::now());
+    Step(settings, {action}, state);
   }
-  batch_.Clear();
+  statistics_ = {};
 }
 
 ServiceReply AgentService::Ping() const { return Success(); }
@@ -59,6 +66,7 @@ ServiceReply AgentService::InitAgent(std::string_view body) {
 
 ServiceReply AgentService::Act(std::string_view body, Clock::time_point arrival) {
   const auto parsed = ParseActionRequest(body);
+  const Clock::time_point understood = Clock::now();
   const std::lock_guard lock(mutex_);
   if (const auto* refusal = std::get_if<Refusal>(&parsed)) return Refused(400, refusal->reason);
   const auto& request = std::get<ActionRequest>(parsed);
@@ -66,11 +74,11 @@ ServiceReply AgentService::Act(std::string_view body, Clock::time_point arrival)
     return Refused(409, conflict);
   }
   Observe(request);
-  const Action action = Think(arrival);
-  ++statistics_.moves;
-  statistics_.slowest_move =
-      std::max(statistics_.slowest_move,
-               std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - arrival));
+  const Clock::time_point began = Clock::now();
+  const Action action = Think(request.settings, arrival);
+  Count({.read = Between(arrival, understood),
+         .observe = Between(understood, began),
+         .think = Between(began, Clock::now())});
   return Played(request.settings.mode, request.observation, action);
 }
 
@@ -132,23 +140,48 @@ void AgentService::Observe(const ActionRequest& request) {
     game_ = Game{.settings = request.settings, .self = observation.self, .step = 0, .mate = {}};
   }
   game_->step = observation.step;
-  game_->mate.Hear(observation.step, observation.message);
+  if (request.settings.mode == Mode::kTeamRadio) ListenToMate(observation);
   agent_->Begin(observation);
 }
 
-Action AgentService::Think(Clock::time_point arrival) {
+void AgentService::ListenToMate(const Observation& observation) {
+  MateTracker& mate = game_->mate;
+  mate.Hear(observation.step, observation.message);
+  const auto seen = std::ranges::find(observation.board,
+                                      AgentValue(TeamMateOf(Mode::kTeamRadio, observation.self)));
+  if (seen != observation.board.end()) {
+    mate.See(observation.step, static_cast<Cell>(seen - observation.board.begin()));
+  }
+  if (const auto cell = mate.cell()) agent_->HearMate(*cell);
+}
+
+Action AgentService::Think(const GameSettings& settings, Clock::time_point arrival) {
   const bool timed = settings_.move_time.count() > 0;
   Clock::duration longest_round{0};
   Clock::time_point now = Clock::now();
   while (agent_->Gather(batch_)) {
-    evaluator_->Evaluate(game_->settings, batch_.positions(), batch_.AllocateEvaluations());
+    evaluator_->Evaluate(settings, batch_.positions(), batch_.AllocateEvaluations());
     agent_->Scatter(batch_);
+    statistics_.evaluations += batch_.size();
     batch_.Clear();
     const Clock::time_point before = std::exchange(now, Clock::now());
     longest_round = std::max(longest_round, now - before);
     if (timed && now + longest_round > arrival + settings_.move_time) break;
   }
   return agent_->action();
+}
+
+void AgentService::Count(const MoveTimes& times) {
+  ++statistics_.moves;
+  const std::uint32_t simulations = agent_->move_statistics().simulations;
+  if (simulations > 0) ++statistics_.searches;
+  statistics_.simulations += simulations;
+  if (times.total() > statistics_.slowest_move.total()) statistics_.slowest_move = times;
+  if (times.total() <= kPublishedMoveTime) return;
+  ++statistics_.late_moves;
+  log::Debug("late move", "step", game_->step, "simulations", simulations, "read_us",
+             times.read.count(), "observe_us", times.observe.count(), "think_us",
+             times.think.count());
 }
 
 }  // namespace powderkeg

@@ -33,12 +33,28 @@ struct ServiceSettings {
   std::uint64_t seed = 1;
 };
 
+// Where the time of a move went.
+struct MoveTimes {
+  std::chrono::microseconds read{0};     // from the arrival of the request to its observation
+  std::chrono::microseconds observe{0};  // waiting for other requests, then the agent's Begin
+  std::chrono::microseconds think{0};
+
+  [[nodiscard]] std::chrono::microseconds total() const { return read + observe + think; }
+};
+
+// What the published rules allow an agent for a move.
+inline constexpr std::chrono::milliseconds kPublishedMoveTime{100};
+
 // Counters since the start of the service.
 struct ServiceStatistics {
   std::uint64_t games = 0;
   std::uint64_t moves = 0;
-  std::uint64_t refused = 0;  // requests answered with an error
-  std::chrono::microseconds slowest_move{0};
+  std::uint64_t late_moves = 0;   // over kPublishedMoveTime
+  std::uint64_t searches = 0;     // moves with simulations
+  std::uint64_t simulations = 0;  // of all searches
+  std::uint64_t evaluations = 0;  // that the agent asked for
+  std::uint64_t refused = 0;      // requests answered with an error
+  MoveTimes slowest_move;
 };
 
 // The call order, as the runner keeps it: InitAgent, then Act while the agent lives, EndEpisode,
@@ -49,10 +65,12 @@ class AgentService {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Under a clock the evaluator answers batches of every size that will be asked before the first
-  // game: it may have to prepare itself for each of them.
   AgentService(std::unique_ptr<Agent> agent, std::shared_ptr<Evaluator> evaluator,
                const ServiceSettings& settings);
+
+  // Lets the agent make a few moves that nobody asked for, so that memory and code are in place
+  // when the first game begins. To be called before the first request.
+  void WarmUp();
 
   // Does not wait for a request that is being served.
   [[nodiscard]] ServiceReply Ping() const;
@@ -64,7 +82,7 @@ class AgentService {
   [[nodiscard]] ServiceReply Shutdown();
 
   [[nodiscard]] ServiceStatistics statistics() const;
-  // Where the mate says it is (radio games).
+  // Where the mate says it is (radio games), as the agent was told with the last observation.
   [[nodiscard]] std::optional<Cell> mate() const;
 
  private:
@@ -76,14 +94,16 @@ class AgentService {
     MateTracker mate;
   };
 
-  void WarmUp();
   [[nodiscard]] ServiceReply Refused(int status, std::string_view reason);
   // Why the request does not fit the last InitAgent; empty if it does.
   [[nodiscard]] std::string Conflict(const ActionRequest& request) const;
   // Takes the observation into the game, a new one if it does not follow.
   void Observe(const ActionRequest& request);
+  // Takes in what the mate says (radio games) and tells the agent where it must be.
+  void ListenToMate(const Observation& observation);
   // Lets the agent think until it is done or the time is up.
-  [[nodiscard]] Action Think(Clock::time_point arrival);
+  [[nodiscard]] Action Think(const GameSettings& settings, Clock::time_point arrival);
+  void Count(const MoveTimes& times);
 
   const ServiceSettings settings_;
   mutable std::mutex mutex_;  // guards what follows

@@ -57,6 +57,20 @@ class ConnectionPool final : public httplib::TaskQueue {
   std::vector<std::jthread> threads_;
 };
 
+// The library hands on nothing of ours from the connection to the handler of its request but the
+// request itself: the time is written into a header.
+constexpr const char* kArrival = "Powderkeg-Arrival";
+
+void SetArrival(AgentService::Clock::time_point arrival, httplib::Request& request) {
+  request.headers.erase(kArrival);
+  request.set_header(kArrival, std::to_string(arrival.time_since_epoch().count()));
+}
+
+AgentService::Clock::time_point ArrivalOf(const httplib::Request& request) {
+  const std::string ticks = request.get_header_value(kArrival);
+  return AgentService::Clock::time_point(AgentService::Clock::duration(std::stoll(ticks)));
+}
+
 void SetReply(const ServiceReply& reply, httplib::Response& response) {
   response.status = reply.status;
   response.set_content(reply.body, kJsonType);
@@ -149,16 +163,20 @@ class HttpServer::Listener final : public httplib::Server {
     Get(std::string(kPing), [this](const httplib::Request&, httplib::Response& response) {
       SetReply(service_.Ping(), response);
     });
-    AddPost(kPosts[0], [this](std::string_view body) { return service_.InitAgent(body); });
-    AddPost(kPosts[1], [this](std::string_view body) { return service_.Act(body); });
-    AddPost(kPosts[2], [this](std::string_view body) { return service_.EndEpisode(body); });
-    AddPost(kPosts[3], [this](std::string_view) { return service_.Shutdown(); });
+    AddPost(kPosts[0], [this](const std::string& body, auto) { return service_.InitAgent(body); });
+    AddPost(kPosts[1],
+            [this](const std::string& body, auto arrival) { return service_.Act(body, arrival); });
+    AddPost(kPosts[2], [this](const std::string& body, auto) { return service_.EndEpisode(body); });
+    AddPost(kPosts[3], [this](const std::string&, auto) { return service_.Shutdown(); });
     set_pre_routing_handler(CheckRoute);
     set_error_handler(ExplainStatus);
     set_exception_handler(ReportException);
   }
 
-  void AddPost(std::string_view path, std::function<ServiceReply(std::string_view)> answer) {
+  // What answers a body that arrived at a time.
+  using Answer = std::function<ServiceReply(const std::string&, AgentService::Clock::time_point)>;
+
+  void AddPost(std::string_view path, Answer answer) {
     Post(std::string(path), [this, answer = std::move(answer)](
                                 const httplib::Request& request, httplib::Response& response,
                                 const httplib::ContentReader& reader) {
@@ -169,7 +187,7 @@ class HttpServer::Listener final : public httplib::Server {
       if (!ReadBody(reader, body)) {
         return SetError(413, "the body is incomplete or too long", response);
       }
-      SetReply(answer(body), response);
+      SetReply(answer(body, ArrivalOf(request)), response);
     });
   }
 
@@ -186,7 +204,9 @@ class HttpServer::Listener final : public httplib::Server {
     SocketStream stream(socket, {.max_bytes = settings_.max_request_bytes + kHeaderBytes,
                                  .timeout = settings_.io_timeout});
     bool closed = false;
-    return process_request(stream, /*close_connection=*/true, closed, nullptr);
+    return process_request(
+        stream, /*close_connection=*/true, closed,
+        [&stream](httplib::Request& request) { SetArrival(stream.last_arrival(), request); });
   }
 
   static constexpr std::size_t kHeaderBytes = 16 << 10;

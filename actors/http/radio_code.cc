@@ -1,6 +1,7 @@
 #include "actors/http/radio_code.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace powderkeg {
 namespace {
@@ -26,6 +27,8 @@ Plan PlanOf(Axis axis, Action action) {
   }
   return Plan::kStay;
 }
+
+std::size_t IndexOf(Axis axis) { return static_cast<std::size_t>(axis); }
 
 int Expected(const RadioReport& report) {
   const int change = report.plan == Plan::kDecrease ? -1 : (report.plan == Plan::kIncrease ? 1 : 0);
@@ -55,12 +58,31 @@ std::optional<RadioReport> DecodeReport(int step, const Message& message) {
 void MateTracker::Hear(int step, const Message& message) {
   const auto report = DecodeReport(step - 1, message);
   if (!report) return;
-  (report->axis == Axis::kRow ? row_ : column_) = Expected(*report);
+  Take(report->axis, {.coordinate = report->coordinate, .step = step - 1});
+  expected_[IndexOf(report->axis)] = Expected(*report);
+}
+
+void MateTracker::See(int step, Cell cell) {
+  for (const Axis axis : {Axis::kRow, Axis::kColumn}) {
+    const int coordinate = axis == Axis::kRow ? RowOf(cell) : ColumnOf(cell);
+    Take(axis, {.coordinate = coordinate, .step = step});
+    std::optional<int>& expected = expected_[IndexOf(axis)];
+    if (expected) expected = coordinate;
+  }
+}
+
+void MateTracker::Take(Axis axis, Fix fix) {
+  std::optional<Fix>& last = last_[IndexOf(axis)];
+  if (last && std::abs(fix.coordinate - last->coordinate) > fix.step - last->step) {
+    believed_ = false;
+  }
+  last = fix;
 }
 
 std::optional<Cell> MateTracker::cell() const {
-  if (!row_ || !column_) return std::nullopt;
-  return CellAt(*row_, *column_);
+  const auto [row, column] = expected_;
+  if (!believed_ || !row || !column) return std::nullopt;
+  return CellAt(*row, *column);
 }
 
 }  // namespace powderkeg

@@ -11,6 +11,8 @@
 // so that the mate knows the row and the column, one of them a step old. Words of other agents may
 // mean anything; what cannot be a code is ignored.
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -40,19 +42,32 @@ struct RadioReport {
 // What a mate said with its action after `step` steps; nullopt for silence and foreign words.
 [[nodiscard]] std::optional<RadioReport> DecodeReport(int step, const Message& message);
 
-// Where the mate says it is. A value; give it every message of a game in order.
+// Where the mate says it is. A mate that cannot have been where it said, because nobody gets that
+// far in the steps between, speaks another language and is not believed for the rest of the game.
+// A value; give it every message and every sight of the mate in a game in order.
 class MateTracker {
  public:
   // `step`: of the observation that brought the message, which was sent a step earlier.
   void Hear(int step, const Message& message);
+  // The mate stands in view in the observation after `step` steps. Comes after its message.
+  void See(int step, Cell cell);
 
-  // The cell where the mate is expected now, if both coordinates were heard: off by up to two rows
-  // or columns where a move failed or was not told yet.
+  // The cell where the mate is expected now, if both coordinates were heard and it is believed: off
+  // by up to two rows or columns where a move failed or was not told yet.
   [[nodiscard]] std::optional<Cell> cell() const;
 
  private:
-  std::optional<int> row_;
-  std::optional<int> column_;
+  static constexpr std::size_t kAxes = 2;
+  // What is known for sure, if the mate speaks our language.
+  struct Fix {
+    int coordinate;
+    int step;
+  };
+  void Take(RadioReport::Axis axis, Fix fix);
+
+  std::array<std::optional<Fix>, kAxes> last_;      // heard or seen
+  std::array<std::optional<int>, kAxes> expected_;  // now; once the coordinate was heard
+  bool believed_ = true;
 };
 
 }  // namespace powderkeg

@@ -1,5 +1,6 @@
 #include "actors/http/socket_stream.h"
 
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -53,6 +54,13 @@ void SocketStream::get_remote_ip_and_port(std::string& ip, int& port) const {
 void SocketStream::get_local_ip_and_port(std::string& ip, int& port) const {
   ip.clear();
   port = 0;
+}
+
+SocketStream::Clock::time_point SocketStream::last_arrival() const {
+  tcp_info info{};
+  socklen_t size = sizeof(info);
+  const bool known = ::getsockopt(socket_, IPPROTO_TCP, TCP_INFO, &info, &size) == 0;
+  return Clock::now() - std::chrono::milliseconds(known ? info.tcpi_last_data_recv : 0);
 }
 
 bool SocketStream::Wait(short event, Clock::time_point deadline) const {

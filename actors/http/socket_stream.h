@@ -35,6 +35,10 @@ class SocketStream final : public httplib::Stream {
   void get_local_ip_and_port(std::string& ip, int& port) const override;
   [[nodiscard]] socket_t socket() const override { return socket_; }
 
+  // When the system received the last bytes so far, however long they waited for this thread; to
+  // the system's tick (4 ms), rather too early.
+  [[nodiscard]] std::chrono::steady_clock::time_point last_arrival() const;
+
  private:
   using Clock = std::chrono::steady_clock;
 

@@ -33,6 +33,10 @@ class Agent {
   // game: equal games get equal moves.
   virtual void StartGame(const GameSettings& settings, AgentId self, Rng rng) = 0;
 
+  // Radio games: where the mate says it is. It may be a step or two off; belongs to the next
+  // observation and comes before it.
+  virtual void HearMate(Cell /*cell*/) {}
+
   // The next move is to be made on `observation`, in which `self` lives; every observation of the
   // game is given, in order.
   virtual void Begin(const Observation& observation) = 0;

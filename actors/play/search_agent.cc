@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 namespace powderkeg {
 namespace {
@@ -23,12 +24,14 @@ void SearchAgent::StartGame(const GameSettings& settings, AgentId self, Rng rng)
   belief_.emplace(settings, belief_settings_);
   models_.StartGame(settings_, settings, self, rng.Split(kModelsPurpose));
   first_move_ = true;
+  mate_.reset();
   result_.reset();
 }
 
 void SearchAgent::Begin(const Observation& observation) {
   const State before = belief_->state();
   belief_->Observe(observation);
+  if (mate_) belief_->HearMate(*std::exchange(mate_, std::nullopt));
   if (!first_move_) models_.ObserveStep(before, belief_->state());
   first_move_ = false;
   search_->Start(belief_->state(), models_, rng_.Split(kFirstMovePurpose + observation.step));

@@ -75,10 +75,7 @@ void EvaluationCache::Replace(std::unique_ptr<Evaluator> evaluator) {
   Clear();
 }
 
-void EvaluationCache::Clear() {
-  std::ranges::fill(entries_, Entry{});
-  clock_ = 0;
-}
+void EvaluationCache::Clear() { cleared_at_ = clock_; }
 
 void EvaluationCache::Evaluate(const GameSettings& settings, std::span<const Position> positions,
                                std::span<Evaluation> evaluations) {
@@ -87,27 +84,49 @@ void EvaluationCache::Evaluate(const GameSettings& settings, std::span<const Pos
     settings_ = settings;
     Clear();
   }
-  missing_.clear();
+  LookUp(positions, evaluations);
+  const std::size_t misses = missing_positions_.size();
+  hits_.fetch_add(positions.size() - misses, std::memory_order_relaxed);
+  misses_.fetch_add(misses, std::memory_order_relaxed);
+  if (misses == 0) return;
+  missing_evaluations_.resize(misses);
+  evaluator_->Evaluate(settings, missing_positions_, missing_evaluations_);
+  for (const Question& question : questions_) {
+    evaluations[question.position] = missing_evaluations_[question.missing];
+  }
+  for (std::size_t i = 0; i < misses; ++i) Store(missing_keys_[i], missing_evaluations_[i]);
+}
+
+void EvaluationCache::LookUp(std::span<const Position> positions,
+                             std::span<Evaluation> evaluations) {
+  questions_.clear();
   missing_keys_.clear();
   missing_positions_.clear();
+  missing_by_key_.assign(std::bit_ceil(2 * positions.size() + 1), 0);
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const PositionKey key = KeyOf(positions[i]);
     if (const Evaluation* const known = Find(key); known != nullptr) {
       evaluations[i] = *known;
       continue;
     }
-    missing_.push_back(i);
+    const std::size_t missing = FindMissing(key);
+    questions_.push_back({i, missing});
+    if (missing < missing_keys_.size()) continue;
     missing_keys_.push_back(key);
     missing_positions_.push_back(positions[i]);
   }
-  missing_evaluations_.resize(missing_.size());
-  evaluator_->Evaluate(settings, missing_positions_, missing_evaluations_);
-  for (std::size_t i = 0; i < missing_.size(); ++i) {
-    evaluations[missing_[i]] = missing_evaluations_[i];
-    Store(missing_keys_[i], missing_evaluations_[i]);
+}
+
+std::size_t EvaluationCache::FindMissing(const PositionKey& key) {
+  const std::size_t mask = missing_by_key_.size() - 1;
+  std::size_t place = key.high & mask;
+  while (missing_by_key_[place] != 0) {
+    const std::size_t index = missing_by_key_[place] - 1;
+    if (missing_keys_[index] == key) return index;
+    place = (place + 1) & mask;
   }
-  hits_ += positions.size() - missing_.size();
-  misses_ += missing_.size();
+  missing_by_key_[place] = static_cast<std::uint32_t>(missing_keys_.size() + 1);
+  return missing_keys_.size();
 }
 
 std::span<EvaluationCache::Entry, EvaluationCache::kWays> EvaluationCache::BucketOf(
@@ -118,21 +137,18 @@ std::span<EvaluationCache::Entry, EvaluationCache::kWays> EvaluationCache::Bucke
 
 const Evaluation* EvaluationCache::Find(const PositionKey& key) {
   for (const Entry& entry : BucketOf(key)) {
-    if (entry.stored_at != 0 && entry.key == key) return &entry.evaluation;
+    if (entry.stored_at > cleared_at_ && entry.key == key) return &entry.evaluation;
   }
   return nullptr;
 }
 
 void EvaluationCache::Store(const PositionKey& key, const Evaluation& evaluation) {
   if (++clock_ == 0) {
-    Clear();
+    std::ranges::fill(entries_, Entry{});
+    cleared_at_ = 0;
     clock_ = 1;
   }
-  const auto bucket = BucketOf(key);
-  // The same key may be there already: a batch can ask one position twice.
-  auto place = std::ranges::find(bucket, key, &Entry::key);
-  if (place == bucket.end()) place = std::ranges::min_element(bucket, {}, &Entry::stored_at);
-  *place = {key, evaluation, clock_};
+  *std::ranges::min_element(BucketOf(key), {}, &Entry::stored_at) = {key, evaluation, clock_};
 }
 
 }  // namespace powderkeg

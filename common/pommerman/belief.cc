@@ -292,11 +292,16 @@ void BombMatch::SortByAge() {
   });
 }
 
-// The nearest free cell out of sight; the same one if there is none.
-Cell HidingPlace(const State& state, BitBoard visible, Cell from) {
+// Where another agent can be that is not seen.
+BitBoard HidingPlaces(const State& state, BitBoard visible) {
+  return state.Walkable() & ~state.Items() & ~visible;
+}
+
+// The nearest of the cells; `from` itself if there is none.
+Cell Nearest(BitBoard cells, Cell from) {
   Cell best = from;
   int nearest = kCellCount;
-  ForEachCell(state.Walkable() & ~state.Items() & ~visible, [&](Cell cell) {
+  ForEachCell(cells, [&](Cell cell) {
     const int distance = ManhattanDistance(from, cell);
     if (distance >= nearest) return;
     best = cell;
@@ -313,7 +318,8 @@ void HideAgents(const Sight& sight, State& state) {
     AgentState& agent = state.agents[id];
     if (!agent.alive || sight.agents[id] != kNoCell) continue;
     if (taken.Has(agent.cell)) {
-      agent.cell = static_cast<std::uint8_t>(HidingPlace(state, sight.visible, agent.cell));
+      agent.cell =
+          static_cast<std::uint8_t>(Nearest(HidingPlaces(state, sight.visible), agent.cell));
     }
     taken.Add(agent.cell);
   }
@@ -386,6 +392,14 @@ void Belief::Observe(const Observation& observation) {
   state_.agents[self_].alive = observation.alive[self_];
   visible_ = sight.visible;
   ever_seen_ |= visible_;
+}
+
+void Belief::HearMate(Cell cell) {
+  if (!IsTeamMode(settings_.mode)) return;
+  AgentState& mate = state_.agents[TeamMateOf(settings_.mode, self_)];
+  if (!mate.alive || visible_.Has(mate.cell)) return;
+  const BitBoard places = HidingPlaces(state_, visible_) | BitBoard::Of(mate.cell);
+  mate.cell = static_cast<std::uint8_t>(Nearest(places, cell));
 }
 
 }  // namespace powderkeg

@@ -27,10 +27,11 @@ struct BeliefSettings {
 // are unknown (none), bombs have the owner that can have laid them, opponents' statistics are
 // inferred. A value; give it every observation of a game in order, the first one included.
 //
-// Each observation is first predicted: the moves that were seen are played on the believed position.
-// What is seen then overrides what was predicted. (After a gap in the steps nothing is predicted.)
-// With the whole board in view only this cannot be known, and is put right as soon as it shows: an
-// item that another agent picks up in the very step in which it comes out of the flames.
+// Each observation is first predicted: the moves that were seen are played on the believed
+// position. What is seen then overrides what was predicted. (After a gap in the steps nothing is
+// predicted.) With the whole board in view only this cannot be known, and is put right as soon as
+// it shows: an item that another agent picks up in the very step in which it comes out of the
+// flames.
 //
 // Fog: a cell never seen counts as passage for Step. A remembered bomb out of sight goes on
 // ticking, rolling and exploding as Step would have it; an agent out of sight stays on the cell
@@ -42,6 +43,12 @@ class Belief {
   Belief(const GameSettings& settings, const BeliefSettings& belief_settings);
 
   void Observe(const Observation& observation);
+
+  // Where the mate says it is, after Observe: off by a few cells, but better than where it was seen
+  // last. A living mate out of sight is then believed there or, where it cannot be there, on the
+  // nearest cell out of sight that is free and without an item. What is seen counts for more: a
+  // mate in view stays. No effect in games without teams.
+  void HearMate(Cell cell);
 
   // The position that the next action is played on, so after a collapse; `self` is alive in it as
   // long as it was observed alive. Requires one Observe.

@@ -138,6 +138,44 @@ TEST_F(AgentServiceTest, ALateRequestStillGetsOneEvaluation) {
   EXPECT_EQ(diary_.rounds, 1);
 }
 
+TEST_F(AgentServiceTest, WarmingUpPlaysAFewMovesThatDoNotCount) {
+  const auto service = Serve(/*rounds=*/2);
+  service->WarmUp();
+  EXPECT_THAT(diary_.games, ElementsAre(0));
+  EXPECT_THAT(diary_.steps, ElementsAre(0, 1, 2, 3));
+  EXPECT_EQ(service->statistics().moves, 0U);
+  EXPECT_EQ(service->statistics().evaluations, 0U);
+  (void)service->InitAgent(InitBody(2, Mode::kFreeForAll));
+  EXPECT_EQ(service->Act(Body(2, 4)).status, 200);
+  EXPECT_THAT(diary_.games, ElementsAre(0, 2)) << "the first move of a real game starts anew";
+}
+
+TEST_F(AgentServiceTest, CountsWhereTheTimeWent) {
+  const auto service = Serve(/*rounds=*/3);
+  (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
+  const auto arrival = AgentService::Clock::now() - milliseconds(150);
+  EXPECT_EQ(service->Act(Body(0, 0), arrival).status, 200);
+  EXPECT_EQ(service->Act(Body(0, 1)).status, 200);
+  const ServiceStatistics statistics = service->statistics();
+  EXPECT_EQ(statistics.moves, 2U);
+  EXPECT_GE(statistics.late_moves, 1U);
+  EXPECT_GE(statistics.slowest_move.read, milliseconds(150));
+  EXPECT_GE(statistics.slowest_move.total(), statistics.slowest_move.read);
+  EXPECT_EQ(statistics.evaluations, 6U);
+  EXPECT_EQ(statistics.searches, 0U) << "the scripted agent knows no simulations";
+}
+
+TEST(AgentServiceOfASearch, CountsItsSimulations) {
+  AgentService service(MakeAgent(ParseAgent("search:simulations=20,tree_reuse=false")),
+                       std::make_shared<UniformEvaluator>(), {});
+  (void)service.InitAgent(InitBody(0, Mode::kFreeForAll));
+  const State state = GenerateStart({}, {}, Rng(3));
+  EXPECT_EQ(service.Act(ActionBody({}, Observe({}, state, 0))).status, 200);
+  EXPECT_EQ(service.statistics().searches, 1U);
+  EXPECT_EQ(service.statistics().simulations, 20U);
+  EXPECT_GT(service.statistics().evaluations, 1U);
+}
+
 // --- Boards that no game can reach ---------------------------------------------------------------
 
 // Anything anywhere, as long as the arrays agree with each other.
@@ -225,6 +263,33 @@ TEST_F(AgentServiceTest, TalksToItsMateAndListens) {
     EXPECT_EQ(report->plan, RadioReport::Plan::kBomb);
   }
   EXPECT_EQ(service->mate(), CellAt(9, 9));
+  EXPECT_THAT(diary_.mates, ElementsAre(CellAt(9, 9))) << "once both coordinates were heard";
+}
+
+TEST_F(AgentServiceTest, AMateInViewElsewhereIsNotBelieved) {
+  const GameSettings radio = GameSettingsFor("PommeRadioCompetition-v2").value();
+  const auto service = Serve(0);
+  (void)service->InitAgent(InitBody(0, Mode::kTeamRadio));
+  State state = GenerateStart(radio, {}, Rng(3));
+  state.agents[2].cell = CellAt(2, 2);
+  state.wood.Remove(CellAt(2, 2));
+  for (std::uint16_t step = 1; step < 6; ++step) {
+    state.step = step;
+    state.messages[2] = EncodeReport(step - 1, CellAt(9, 9), Action::kStop);
+    EXPECT_EQ(service->Act(ActionBody(radio, Observe(radio, state, 0))).status, 200);
+  }
+  EXPECT_EQ(service->mate(), std::nullopt);
+  EXPECT_TRUE(diary_.mates.empty());
+}
+
+TEST_F(AgentServiceTest, WithoutRadioNobodyListens) {
+  const GameSettings team = GameSettingsFor("PommeTeamCompetition-v0").value();
+  const auto service = Serve(0);
+  (void)service->InitAgent(InitBody(0, Mode::kTeam));
+  for (int step = 1; step < 4; ++step) {
+    EXPECT_EQ(service->Act(Body(0, step, team)).status, 200);
+  }
+  EXPECT_TRUE(diary_.mates.empty());
 }
 
 }  // namespace

@@ -12,7 +12,9 @@
 #include <vector>
 
 #include "actors/play/factory.h"
+#include "actors/play/parallel_evaluator.h"
 #include "common/base/check.h"
+#include "common/model/evaluation_cache.h"
 #include "common/pommerman/generate.h"
 #include "tests/http/official_runner.h"
 #include "tests/http/runner_json.h"
@@ -30,10 +32,10 @@ struct Seat {
   std::unique_ptr<HttpServer> server;
 };
 
-Seat SeatFor(std::string_view agent, const ServiceSettings& settings = {}) {
+Seat SeatFor(std::string_view agent, const ServiceSettings& settings = {},
+             const std::shared_ptr<Evaluator>& evaluator = std::make_shared<UniformEvaluator>()) {
   Seat seat;
-  seat.service = std::make_unique<AgentService>(MakeAgent(ParseAgent(agent)),
-                                                std::make_shared<UniformEvaluator>(), settings);
+  seat.service = std::make_unique<AgentService>(MakeAgent(ParseAgent(agent)), evaluator, settings);
   seat.server = std::make_unique<HttpServer>(*seat.service, HttpServerSettings{.port = 0});
   return seat;
 }
@@ -112,7 +114,44 @@ TEST(WholeGameTest, ASearchUnderAClockAnswersInTime) {
   runner.RequireLegal(0);
   const GameReport report = runner.PlayGame(/*seed=*/5, /*max_steps=*/20);
   EXPECT_EQ(report.failure, "");
-  EXPECT_LT(seats[0].service->statistics().slowest_move, milliseconds(1000));
+  EXPECT_LT(seats[0].service->statistics().slowest_move.total(), milliseconds(1000));
+}
+
+// Something that keeps a core busy.
+void Search(const std::stop_token& stop) {
+  AgentService service(MakeAgent(ParseAgent("search:simulations=50")),
+                       std::make_shared<UniformEvaluator>(), {});
+  (void)service.InitAgent(InitBody(0, Mode::kFreeForAll));
+  const State state = GenerateStart(GameSettings{}, {}, Rng(1));
+  const std::string body = ActionBody(GameSettings{}, Observe(GameSettings{}, state, 0));
+  while (!stop.stop_requested()) EXPECT_EQ(service.Act(body).status, 200);
+}
+
+TEST(WholeGameTest, TwoServersAnswerEveryRequestBesideABusyProgram) {
+  const std::jthread load(Search);
+  const auto play = [](std::uint64_t seed) {
+    std::vector<std::unique_ptr<Evaluator>> threads;
+    for (int i = 0; i < 2; ++i) threads.push_back(std::make_unique<UniformEvaluator>());
+    const auto evaluator = std::make_shared<EvaluationCache>(
+        std::make_unique<ParallelEvaluator>(std::move(threads)), 1 << 20);
+    std::array<Seat, kAgentCount> seats;
+    std::array<int, kAgentCount> ports{};
+    for (std::size_t i = 0; i < seats.size(); ++i) {
+      seats[i] = i == 0 ? SeatFor("search:simulations=20000,leaves_per_batch=8",
+                                  {.move_time = milliseconds(10)}, evaluator)
+                        : SeatFor("harmless");
+      ports[i] = seats[i].server->port();
+    }
+    seats[0].service->WarmUp();
+    OfficialRunner runner(GameSettings{}, ports);
+    runner.RequireLegal(0);
+    EXPECT_EQ(runner.PlayGame(seed, /*max_steps=*/15).failure, "");
+    runner.Close();
+    EXPECT_EQ(seats[0].service->statistics().refused, 0U);
+    EXPECT_EQ(seats[0].service->statistics().moves, 15U);
+  };
+  const std::jthread other([&play] { play(6); });
+  play(7);
 }
 
 // --- Requests that are refused ------------------------------------------------------------------
@@ -176,6 +215,17 @@ TEST_F(HttpServerTest, RefusesWithStatusAndReason) {
     EXPECT_TRUE(nlohmann::json::parse(result->body).contains("error"));
     EXPECT_EQ(result->body.find('\n'), std::string::npos);
   }
+}
+
+// The clock of a move starts when the request is there, not when a thread gets to it, and a client
+// cannot set it.
+TEST_F(HttpServerTest, AMoveBeginsWithTheArrivalOfItsRequest) {
+  (void)service_->InitAgent(InitBody(0, Mode::kFreeForAll));
+  httplib::Headers headers = {{"Powderkeg-Arrival", "1"}};
+  const auto result = Client().Post("/action", headers, Action(), "application/json");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, 200);
+  EXPECT_LT(service_->statistics().slowest_move.total(), std::chrono::seconds(60));
 }
 
 TEST_F(HttpServerTest, SurvivesWhatIsNoHttp) {

@@ -6,12 +6,12 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <iostream>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "actors/run_main.h"
 #include "common/base/check.h"
 #include "common/base/stats.h"
 #include "common/pommerman/observation.h"
@@ -222,7 +222,8 @@ void Print(Measurement measurement) {
   std::printf(
       "%zu actions asked for; ms to the answer: p50 %.1f, p99 %.1f, p99.9 %.1f, most %.1f\n",
       times.size(), quantile(0.5), quantile(0.99), quantile(0.999), times.back());
-  std::printf("over %.0f ms: %td, no action within %td ms: %llu %s\n", kPublishedLimitMs, late,
+  std::printf("over %.0f ms: %td (%.3f %%), no action within %td ms: %llu %s\n", kPublishedLimitMs,
+              late, 100 * static_cast<double>(late) / static_cast<double>(times.size()),
               static_cast<std::ptrdiff_t>(kRunnerPatience.count()),
               static_cast<unsigned long long>(measurement.failures),
               measurement.first_failure.c_str());
@@ -236,11 +237,7 @@ int main(int argc, char** argv) {
   powderkeg::Arguments arguments;
   powderkeg::AddOptions(app, arguments);
   CLI11_PARSE(app, argc, argv);
-  try {
+  return powderkeg::RunMain("official_match", [&] {
     powderkeg::Print(powderkeg::PlayAll(powderkeg::PlanOf(arguments), arguments));
-  } catch (const powderkeg::Error& error) {
-    std::cerr << "official_match: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  });
 }

@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
+
 #include "common/base/rng.h"
+#include "common/pommerman/belief.h"
 #include "common/pommerman/generate.h"
 #include "common/pommerman/step.h"
+#include "common/record/rule_based_seat.h"
 
 namespace powderkeg {
 namespace {
@@ -56,6 +60,84 @@ TEST(MateTrackerTest, KnowsNothingUntilBothCoordinatesWereHeard) {
   EXPECT_EQ(tracker.cell(), CellAt(4, 5));
   tracker.Hear(3, {0, 0});
   EXPECT_EQ(tracker.cell(), CellAt(4, 5));
+}
+
+TEST(MateTrackerTest, BelievesASeenMateAsLongAsItsWordsAgree) {
+  MateTracker tracker;
+  tracker.Hear(1, EncodeReport(0, CellAt(3, 4), Action::kRight));
+  tracker.Hear(2, EncodeReport(1, CellAt(3, 5), Action::kRight));
+  EXPECT_EQ(tracker.cell(), CellAt(3, 6));
+  tracker.See(2, CellAt(3, 5));  // the move failed
+  EXPECT_EQ(tracker.cell(), CellAt(3, 5));
+  tracker.Hear(5, EncodeReport(4, CellAt(5, 5), Action::kStop));
+  EXPECT_EQ(tracker.cell(), CellAt(5, 5));
+  tracker.Hear(6, EncodeReport(5, CellAt(5, 9), Action::kStop));  // four columns in three steps
+  EXPECT_EQ(tracker.cell(), std::nullopt);
+  tracker.Hear(7, EncodeReport(6, CellAt(5, 9), Action::kStop));
+  EXPECT_EQ(tracker.cell(), std::nullopt) << "not for the rest of the game";
+}
+
+TEST(MateTrackerTest, RandomWordsAreSoonNotBelieved) {
+  Rng rng(1);
+  int believed = 0;
+  for (int game = 0; game < 100; ++game) {
+    MateTracker tracker;
+    for (int step = 1; step <= 20; ++step) {
+      tracker.Hear(step, {static_cast<std::uint8_t>(1 + rng.Below(7)),
+                          static_cast<std::uint8_t>(1 + rng.Below(7))});
+    }
+    believed += tracker.cell().has_value() ? 1 : 0;
+  }
+  EXPECT_LE(believed, 1);
+}
+
+// Beliefs of agent 0 about its mate out of sight in radio games of SimpleUnbiased agents.
+TEST(MateTrackerTest, ABeliefThatListensIsCloserToTheTruth) {
+  const GameSettings settings = GameSettingsFor("PommeRadioCompetition-v2").value();
+  int unseen = 0;
+  int deaf_distance = 0;
+  int distance = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    GameSetup setup;
+    setup.settings = settings;
+    setup.seed = seed;
+    setup.seats.fill({.searches = false, .policy = PolicyKind::kSimpleUnbiased});
+    std::array<RuleBasedSeat, kAgentCount> seats;
+    for (AgentId id = 0; id < kAgentCount; ++id) seats[id] = RuleBasedSeat(setup, id);
+    State state = GenerateStart(settings, setup.start, BoardRng(setup));
+    Belief deaf(settings, {});
+    Belief listening(settings, {});
+    MateTracker tracker;
+    while (state.agents[0].alive && state.agents[2].alive && !OutcomeOf(settings, state).done) {
+      const Observation observation = Observe(settings, state, 0);
+      deaf.Observe(observation);
+      listening.Observe(observation);
+      tracker.Hear(observation.step, observation.message);
+      const Cell mate = state.agents[2].cell;
+      const bool seen = listening.visible().Has(mate);
+      if (seen) tracker.See(observation.step, mate);
+      if (tracker.cell()) listening.HearMate(*tracker.cell());
+      if (seen) {
+        ASSERT_EQ(listening.state().agents[2].cell, mate);
+      } else if (tracker.cell()) {
+        ++unseen;
+        deaf_distance += ManhattanDistance(deaf.state().agents[2].cell, mate);
+        distance += ManhattanDistance(listening.state().agents[2].cell, mate);
+      }
+      JointAction actions{};
+      std::array<Message, kAgentCount> words{};
+      for (AgentId id = 0; id < kAgentCount; ++id) {
+        if (state.agents[id].alive) actions[id] = seats[id].Decide(settings, state);
+      }
+      words[2] = EncodeReport(state.step, mate, actions[2]);
+      Step(settings, actions, words, state);
+    }
+  }
+  ASSERT_GT(unseen, 200);
+  std::printf("mean distance of the unseen mate: %.2f, with its words %.2f\n",
+              static_cast<double>(deaf_distance) / unseen, static_cast<double>(distance) / unseen);
+  EXPECT_LT(distance, unseen);
+  EXPECT_LT(3 * distance, deaf_distance);
 }
 
 TEST(MateTrackerTest, FollowsAWanderingMateWithinTwoRowsAndColumns) {

@@ -12,6 +12,7 @@ namespace powderkeg {
 struct AgentDiary {
   std::vector<AgentId> games;  // the agent's id in every game started
   std::vector<int> steps;      // of all observations
+  std::vector<Cell> mates;     // where it was told that the mate is
   int rounds = 0;              // answered questions
   GameSettings settings;       // of the last game
 };
@@ -25,6 +26,7 @@ class ScriptedAgent final : public Agent {
     diary_.games.push_back(self);
     diary_.settings = settings;
   }
+  void HearMate(Cell cell) override { diary_.mates.push_back(cell); }
   void Begin(const Observation& observation) override {
     diary_.steps.push_back(observation.step);
     left_ = rounds_;

@@ -56,6 +56,26 @@ TEST_F(EvaluationCacheTest, MixedBatchesKeepTheirOrder) {
   EXPECT_EQ(EvaluateAll(cache_, positions_), EvaluateAll(direct, positions_));
 }
 
+TEST_F(EvaluationCacheTest, APositionIsAskedOnceInABatch) {
+  std::vector<Position> positions;
+  for (int i = 0; i < 200; ++i) positions.push_back(positions_[static_cast<std::size_t>(i % 7)]);
+  int direct_questions = 0;
+  CountingEvaluator direct(&direct_questions);
+  EXPECT_EQ(EvaluateAll(cache_, positions), EvaluateAll(direct, positions));
+  EXPECT_EQ(questions_, 7);
+  EXPECT_EQ(cache_.hits(), 193U);
+  EXPECT_EQ(cache_.misses(), 7U);
+}
+
+TEST_F(EvaluationCacheTest, ClearForgetsAllAnswers) {
+  (void)EvaluateAll(cache_, positions_);
+  cache_.Clear();
+  (void)EvaluateAll(cache_, positions_);
+  EXPECT_EQ(questions_, 100);
+  (void)EvaluateAll(cache_, positions_);
+  EXPECT_EQ(questions_, 100);
+}
+
 TEST_F(EvaluationCacheTest, NewEvaluatorAnswersAnew) {
   const std::vector<Evaluation> before = EvaluateAll(cache_, positions_);
   cache_.Replace(std::make_unique<CountingEvaluator>(&questions_, /*offset=*/0.5F));

@@ -363,6 +363,58 @@ TEST(BeliefTest, TheTeamMatesWordsArrive) {
   EXPECT_EQ(belief.state().messages[2], (Message{3, 7}));
 }
 
+const GameSettings kRadio = GameSettingsFor("PommeRadioCompetition-v2").value();
+
+TEST(BeliefTest, AMateOutOfSightIsWhereItSaysItIs) {
+  Belief belief =
+      BeliefAfter(kRadio, {Position({"0", "", "", "", "", "", "", "", "", ".........2"})});
+  belief.HearMate(CellAt(3, 8));
+  EXPECT_EQ(belief.state().agents[2].cell, CellAt(3, 8));
+  belief.HearMate(CellAt(3, 8));
+  EXPECT_EQ(belief.state().agents[2].cell, CellAt(3, 8)) << "its own cell is not taken";
+}
+
+TEST(BeliefTest, AMateIsBelievedOnTheNearestCellWhereItCanBe) {
+  // Agent 0 sees rows and columns 0 to 4.
+  Belief belief = BeliefAfter(kRadio, {Position({"0.........3", "", "..........2"})});
+  belief.HearMate(CellAt(3, 2));  // in view, where it is not
+  EXPECT_EQ(belief.state().agents[2].cell, CellAt(5, 2));
+  belief.HearMate(CellAt(0, 5));
+  EXPECT_EQ(belief.state().agents[2].cell, CellAt(0, 5));
+  const Cell other = belief.state().agents[3].cell;
+  belief.HearMate(other);
+  EXPECT_EQ(ManhattanDistance(belief.state().agents[2].cell, other), 1);
+}
+
+TEST(BeliefTest, WordsDoNotMoveAMateInViewADeadOneOrAnEnemy) {
+  Belief seeing = BeliefAfter(kRadio, {Position({"0.2"})});
+  seeing.HearMate(CellAt(9, 9));
+  EXPECT_EQ(seeing.state().agents[2].cell, CellAt(0, 2));
+  Belief mourning = BeliefAfter(kRadio, {Position({"0.........1"})});
+  const State before = mourning.state();
+  mourning.HearMate(CellAt(9, 9));
+  EXPECT_EQ(mourning.state(), before);
+  Belief alone = BeliefAfter(kFullView, {Position({"0.........2"})});
+  alone.HearMate(CellAt(9, 9));
+  EXPECT_EQ(alone.state().agents[2].cell, CellAt(0, 10));
+}
+
+TEST(BeliefTest, WhateverTheMateSaysTheInvariantsHold) {
+  Rng rng(4);
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    Belief belief(kRadio, BeliefSettings());
+    PlayGame(kRadio, seed, [&](const State& truth, const State&) {
+      if (!truth.agents[2].alive) return;
+      const Observation seen = Observe(kRadio, truth, 2);
+      belief.Observe(seen);
+      belief.HearMate(static_cast<Cell>(rng.Below(kCellCount)));
+      ASSERT_EQ(Observe(kRadio, belief.state(), 2), seen);
+      ExpectInvariants(belief.state());
+      ASSERT_FALSE(::testing::Test::HasNonfatalFailure()) << ToText(belief.state());
+    });
+  }
+}
+
 TEST(BeliefTest, KnowsTheBoardAfterACollapse) {
   GameSettings settings = kFullView;
   settings.collapse_steps = {1, 0, 0, 0};
