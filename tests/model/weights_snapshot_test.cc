@@ -206,6 +206,12 @@ TEST(InitialWeights, AreDeterministicAndNearlyUniform) {
   }
 }
 
+TEST(LoadModel, ReadsAFileOrMakesUntrainedWeights) {
+  EXPECT_EQ(*LoadModel("untrained:small"), InitialWeights(SmallNetwork(), Rng(1)));
+  EXPECT_THROW((void)LoadModel("untrained:huge"), Error);
+  EXPECT_THROW((void)LoadModel("no such file"), Error);
+}
+
 TEST(InitialWeights, PinnedOnEveryMachine) {
   const WeightsSnapshot snapshot = InitialWeights(PaperNetwork(), Rng(1));
   const std::vector<float>& stem = snapshot.Array("stem.conv.weight").values;
