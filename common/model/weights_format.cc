@@ -20,19 +20,14 @@
 // memory is taken.
 
 #include <array>
-#include <bit>
-#include <concepts>
-#include <cstring>
-#include <limits>
 #include <type_traits>
 
+#include "common/base/byte_stream.h"
 #include "common/base/check.h"
 #include "common/model/weights_snapshot.h"
 
 namespace powderkeg {
 namespace {
-
-static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<std::uint8_t, 8> kMagic = {'P', 'K', 'W', 'E', 'I', 'G', 'H', 'T'};
 constexpr std::uint32_t kFormat = 1;
@@ -41,57 +36,7 @@ constexpr std::uint32_t kMaxCanaryPositions = 10'000;
 constexpr std::uint8_t kAliveFlag = 1;
 constexpr std::uint8_t kKickFlag = 2;
 
-template <typename T>
-concept Number = std::is_arithmetic_v<T> && !std::same_as<T, bool>;
-
-class ByteWriter {
- public:
-  template <Number T>
-  void Write(T value) {
-    WriteAll(std::span<const T>(&value, 1));
-  }
-  template <Number T>
-  void WriteAll(std::span<const T> values) {
-    const auto* first = reinterpret_cast<const std::uint8_t*>(values.data());
-    bytes_.insert(bytes_.end(), first, first + values.size_bytes());
-  }
-  [[nodiscard]] std::vector<std::uint8_t> Take() { return std::move(bytes_); }
-
- private:
-  std::vector<std::uint8_t> bytes_;
-};
-
-// Throws Error at the end of the bytes.
-class ByteReader {
- public:
-  explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
-
-  template <Number T>
-  T Read() {
-    T value;
-    ReadAll(std::span<T>(&value, 1));
-    return value;
-  }
-  template <Number T>
-  void ReadAll(std::span<T> values) {
-    Require(values.size_bytes());
-    if (!values.empty()) std::memcpy(values.data(), bytes_.data(), values.size_bytes());
-    bytes_ = bytes_.subspan(values.size_bytes());
-  }
-  // Throws unless `size` bytes are left.
-  void Require(std::size_t size) const {
-    if (bytes_.size() < size) {
-      throw Error(
-          StrCat("weights: truncated, ", bytes_.size(), " bytes left where ", size, " are needed"));
-    }
-  }
-  [[nodiscard]] std::size_t left() const { return bytes_.size(); }
-
- private:
-  std::span<const std::uint8_t> bytes_;
-};
-
-template <Number T>
+template <ByteNumber T>
 void RequireAtMost(const char* what, T value, std::type_identity_t<T> limit) {
   if (value > limit) {
     throw Error(StrCat("weights: ", what, " is ", +value, ", expected at most ", +limit));
@@ -152,18 +97,13 @@ void Write(const NamedArray& array, ByteWriter& out) {
 
 NamedArray ReadArray(const ArrayShape& expected, ByteReader& in) {
   NamedArray array;
-  array.name.resize(in.Read<std::uint16_t>());
-  in.ReadAll(std::span<char>(array.name));
-  array.shape.resize(in.Read<std::uint8_t>());
-  in.ReadAll(std::span<std::int64_t>(array.shape));
+  array.name = in.ReadString(in.Read<std::uint16_t>());
+  array.shape = in.ReadVector<std::int64_t>(in.Read<std::uint8_t>());
   if (array.name != expected.name || array.shape != expected.shape) {
     throw Error(StrCat("weights: array '", array.name.substr(0, 64), "' does not fit the ",
                        "description, expected '", expected.name, "' of its shape"));
   }
-  const auto count = static_cast<std::size_t>(ElementCount(expected.shape));
-  in.Require(count * sizeof(float));
-  array.values.resize(count);
-  in.ReadAll(std::span<float>(array.values));
+  array.values = in.ReadVector<float>(static_cast<std::size_t>(ElementCount(expected.shape)));
   return array;
 }
 
@@ -310,7 +250,7 @@ std::vector<std::uint8_t> Serialize(const WeightsSnapshot& snapshot) {
 }
 
 WeightsSnapshot Deserialize(std::span<const std::uint8_t> bytes) {
-  ByteReader in(bytes);
+  ByteReader in("weights", bytes);
   ReadHeader(in);
   WeightsSnapshot snapshot;
   snapshot.version = in.Read<std::uint32_t>();
@@ -322,7 +262,7 @@ WeightsSnapshot Deserialize(std::span<const std::uint8_t> bytes) {
   }
   for (const ArrayShape& array : expected) snapshot.arrays.push_back(ReadArray(array, in));
   snapshot.canary = ReadCanary(in);
-  if (in.left() != 0) throw Error(StrCat("weights: ", in.left(), " bytes after the end"));
+  in.ExpectEnd();
   Validate(snapshot);
   return snapshot;
 }

@@ -1,17 +1,15 @@
 #include "learner/train/checkpoint.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cstring>
 #include <functional>
 #include <iomanip>
-#include <numeric>
 #include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "common/base/byte_stream.h"
 #include "common/base/check.h"
 #include "common/base/digest.h"
 #include "common/base/log.h"
@@ -27,91 +25,45 @@ namespace powderkeg {
 namespace {
 
 namespace fs = std::filesystem;
-static_assert(std::endian::native == std::endian::little, "numbers are copied as they are");
 
 constexpr std::string_view kMagic = "PKCHECK1";
 constexpr std::size_t kHeaderBytes = kMagic.size() + sizeof(std::uint32_t);
 constexpr std::string_view kEnding = ".checkpoint";
+constexpr std::int64_t kMaxArrayLength = std::int64_t{1} << 32;  // values of one array
 
-class Writer {
- public:
-  template <typename T>
-  void Number(T value) {
-    Bytes({reinterpret_cast<const std::uint8_t*>(&value), sizeof(value)});
-  }
-  void Count(std::size_t count) { Number<std::uint64_t>(count); }
-  void Bytes(std::span<const std::uint8_t> bytes) {
-    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
-  }
-  void Array(const NamedArray& array) {
-    Count(array.name.size());
-    Bytes(BytesOf(array.name));
-    Count(array.shape.size());
-    for (const std::int64_t length : array.shape) Number(length);
-    Bytes({reinterpret_cast<const std::uint8_t*>(array.values.data()),
-           array.values.size() * sizeof(float)});
-  }
-  [[nodiscard]] std::vector<std::uint8_t>& bytes() { return bytes_; }
+using Counter = std::uint64_t;
 
- private:
-  std::vector<std::uint8_t> bytes_;
-};
+void Write(const NamedArray& array, ByteWriter& out) {
+  out.Write(Counter{array.name.size()});
+  out.WriteAll(std::span<const char>(array.name));
+  out.Write(Counter{array.shape.size()});
+  out.WriteAll(std::span<const std::int64_t>(array.shape));
+  out.WriteAll(std::span<const float>(array.values));
+}
 
-// Every length is checked against what is left before anything is allocated.
-class Reader {
- public:
-  explicit Reader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
-
-  template <typename T>
-  T Number() {
-    T value;
-    std::memcpy(&value, Bytes(sizeof(value)).data(), sizeof(value));
-    return value;
-  }
-  // A number of things that take at least `bytes_each`.
-  std::size_t Count(std::size_t bytes_each) {
-    const auto count = Number<std::uint64_t>();
-    if (count > bytes_.size() / bytes_each) throw Error("it is truncated");
-    return count;
-  }
-  std::span<const std::uint8_t> Bytes(std::size_t count) {
-    if (count > bytes_.size()) throw Error("it is truncated");
-    const auto bytes = bytes_.first(count);
-    bytes_ = bytes_.subspan(count);
-    return bytes;
-  }
-  NamedArray Array() {
-    NamedArray array;
-    const auto name = Bytes(Count(1));
-    array.name.assign(name.begin(), name.end());
-    std::size_t values = 1;
-    for (std::size_t dimensions = Count(sizeof(std::int64_t)); dimensions > 0; --dimensions) {
-      const auto length = Number<std::int64_t>();
-      if (length <= 0 || static_cast<std::size_t>(length) > bytes_.size() / values) {
-        throw Error(StrCat("array ", array.name, " has a bad shape"));
-      }
-      array.shape.push_back(length);
-      values *= static_cast<std::size_t>(length);
+NamedArray ReadArray(ByteReader& in) {
+  NamedArray array;
+  array.name = in.ReadString(in.ReadCount<Counter>(1));
+  array.shape = in.ReadVector<std::int64_t>(in.ReadCount<Counter>(sizeof(std::int64_t)));
+  std::size_t values = 1;
+  for (const std::int64_t length : array.shape) {
+    if (length <= 0 || length > kMaxArrayLength / static_cast<std::int64_t>(values)) {
+      throw Error(StrCat("checkpoint: array ", array.name, " has a dimension of ", length));
     }
-    const auto bytes = Bytes(values * sizeof(float));
-    array.values.resize(values);
-    std::memcpy(array.values.data(), bytes.data(), bytes.size());
-    return array;
+    values *= static_cast<std::size_t>(length);
   }
-  [[nodiscard]] bool done() const { return bytes_.empty(); }
+  array.values = in.ReadVector<float>(values);
+  return array;
+}
 
- private:
-  std::span<const std::uint8_t> bytes_;
-};
-
-std::vector<TicketRange> ReadDataSets(Reader& reader) {
-  std::vector<TicketRange> data_sets(reader.Count(2 * sizeof(std::uint64_t)));
+std::vector<TicketRange> ReadDataSets(ByteReader& in) {
+  std::vector<TicketRange> data_sets(in.ReadCount<Counter>(2 * sizeof(std::uint64_t)));
   std::uint64_t expected = 0;
   for (TicketRange& range : data_sets) {
-    range.first = reader.Number<std::uint64_t>();
-    range.last = reader.Number<std::uint64_t>();
+    range.first = in.Read<std::uint64_t>();
+    range.last = in.Read<std::uint64_t>();
     if (range.first != expected || range.last < range.first) {
-      throw Error("its data sets do not follow each other");
+      throw Error("checkpoint: its data sets do not follow each other");
     }
     expected = range.last + 1;
   }
@@ -137,44 +89,44 @@ std::vector<fs::path> NewestFirst(const fs::path& folder) {
 }  // namespace
 
 std::vector<std::uint8_t> Serialize(const Checkpoint& checkpoint) {
-  Writer writer;
-  writer.Bytes(BytesOf(kMagic));
-  writer.Number<std::uint32_t>(0);  // the checksum, once the rest is known
-  writer.Count(checkpoint.data_sets.size());
+  ByteWriter out;
+  out.WriteAll(BytesOf(kMagic));
+  out.Write(std::uint32_t{0});  // the checksum, once the rest is known
+  out.Write(Counter{checkpoint.data_sets.size()});
   for (const TicketRange& range : checkpoint.data_sets) {
-    writer.Number(range.first);
-    writer.Number(range.last);
+    out.Write(range.first);
+    out.Write(range.last);
   }
   const TrainerState& trainer = checkpoint.trainer;
-  writer.Number(trainer.optimizer_steps);
-  writer.Number(trainer.samples_seen);
+  out.Write(trainer.optimizer_steps);
+  out.Write(trainer.samples_seen);
   const std::vector<std::uint8_t> weights = Serialize(trainer.weights);
-  writer.Count(weights.size());
-  writer.Bytes(weights);
-  writer.Count(trainer.optimizer.size());
-  for (const NamedArray& array : trainer.optimizer) writer.Array(array);
-  std::vector<std::uint8_t>& bytes = writer.bytes();
+  out.Write(Counter{weights.size()});
+  out.WriteAll(std::span<const std::uint8_t>(weights));
+  out.Write(Counter{trainer.optimizer.size()});
+  for (const NamedArray& array : trainer.optimizer) Write(array, out);
+  std::vector<std::uint8_t> bytes = out.Take();
   const std::uint32_t checksum = Crc32c(std::span(bytes).subspan(kHeaderBytes));
   std::memcpy(bytes.data() + kMagic.size(), &checksum, sizeof(checksum));
-  return std::move(bytes);
+  return bytes;
 }
 
 Checkpoint DeserializeCheckpoint(std::span<const std::uint8_t> bytes) {
-  Reader reader(bytes);
-  if (!std::ranges::equal(reader.Bytes(kMagic.size()), BytesOf(kMagic))) {
-    throw Error("it is not a checkpoint of this format");
+  ByteReader in("checkpoint", bytes);
+  if (!std::ranges::equal(in.Bytes(kMagic.size()), BytesOf(kMagic))) {
+    throw Error(StrCat("checkpoint: not of this format, expected \"", kMagic, "\" first"));
   }
-  if (reader.Number<std::uint32_t>() != Crc32c(bytes.subspan(kHeaderBytes))) {
-    throw Error("its checksum is wrong: it is damaged or truncated");
+  if (in.Read<std::uint32_t>() != Crc32c(bytes.subspan(kHeaderBytes))) {
+    throw Error("checkpoint: its checksum is wrong: it is damaged or truncated");
   }
   Checkpoint checkpoint;
-  checkpoint.data_sets = ReadDataSets(reader);
-  checkpoint.trainer.optimizer_steps = reader.Number<std::uint64_t>();
-  checkpoint.trainer.samples_seen = reader.Number<std::uint64_t>();
-  checkpoint.trainer.weights = Deserialize(reader.Bytes(reader.Count(1)));
-  const std::size_t arrays = reader.Count(1);
-  for (std::size_t i = 0; i < arrays; ++i) checkpoint.trainer.optimizer.push_back(reader.Array());
-  if (!reader.done()) throw Error("something follows its end");
+  checkpoint.data_sets = ReadDataSets(in);
+  checkpoint.trainer.optimizer_steps = in.Read<std::uint64_t>();
+  checkpoint.trainer.samples_seen = in.Read<std::uint64_t>();
+  checkpoint.trainer.weights = Deserialize(in.Bytes(in.ReadCount<Counter>(1)));
+  const std::size_t arrays = in.ReadCount<Counter>(2 * sizeof(Counter));
+  for (std::size_t i = 0; i < arrays; ++i) checkpoint.trainer.optimizer.push_back(ReadArray(in));
+  in.ExpectEnd();
   return checkpoint;
 }
 
