@@ -208,6 +208,7 @@ class Learner {
     }
     LearnerLoopSettings settings;
     settings.training = config_.training;
+    settings.training.draw_value = DrawValueOf(config_);
     settings.game = *game;
     settings.folder = options.run_dir;
     settings.seed = config_.self_play.seed;

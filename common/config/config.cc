@@ -4,6 +4,9 @@
 #include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/text_format.h>
 
+#include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -124,6 +127,21 @@ std::string ToText(const SelfPlayConfig& config) {
   proto::SelfPlay message;
   ToProto(config, message);
   return Print(message);
+}
+
+double DrawValueOf(const RunConfig& config) {
+  if (config.training.draw_value) return *config.training.draw_value;
+  const Options& search = config.self_play.search;
+  const auto option = std::ranges::find(search, "draw_value", &Options::value_type::first);
+  if (option == search.end()) return 0;
+  const std::string& text = option->second;
+  double value = 2;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || rest != text.data() + text.size() || !(std::abs(value) <= 1)) {
+    throw Error(
+        StrCat("self_play.search.draw_value is ", text, "; expected a number from -1 to 1"));
+  }
+  return value;
 }
 
 Sha256Digest SettingsDigest(const SelfPlayConfig& config) {

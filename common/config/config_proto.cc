@@ -58,6 +58,11 @@ class Reader {
     }
     value = found;
   }
+  template <typename Value>
+  void Number(const char* name, std::optional<Value>& value, Range range) {
+    if (!Has(name)) return;
+    Number(name, value.emplace(), range);
+  }
   // Any value.
   template <typename Value>
   void Any(const char* name, Value& value) {
@@ -154,6 +159,10 @@ class Writer {
   template <typename Value>
   void Number(const char* name, const Value& value, Range /*range*/) {
     Any(name, value);
+  }
+  template <typename Value>
+  void Number(const char* name, const std::optional<Value>& value, Range /*range*/) {
+    if (value) Any(name, *value);
   }
   void Choice(const char* name, const std::string& value, std::initializer_list<const char*>) {
     Any(name, value);

@@ -247,8 +247,9 @@ void LearnerLoop::Publish(const TrainerState& state) {
   std::ostringstream name;
   name << "version-" << std::setw(6) << std::setfill('0') << snapshot->version << ".weights";
   SaveSnapshot(*snapshot, (settings_.folder / "weights" / name.str()).string());
-  const bool untrained = snapshot->version == 1 && !settings_.initial_weights;
-  hooks_.publish(untrained ? nullptr : snapshot);
+  const auto first = settings_.initial_weights ? FirstWeights::kGiven : FirstWeights::kUntrained;
+  const int iterations_done = static_cast<int>(snapshot->version) - 1;
+  hooks_.publish(VersionToPlay(iterations_done, first) == 0 ? nullptr : snapshot);
 }
 
 }  // namespace powderkeg

@@ -46,9 +46,7 @@ struct LearnerLoopHooks {
   std::function<void(const IterationReport&)> iteration_done = [](const IterationReport&) {};
 };
 
-// Weights versions: 0 stands for no network (actors use the uniform evaluator); 1 for the weights
-// before the first iteration, saved for comparison and published only if they were given; k + 1 for
-// those after iteration k.
+// Every version of the weights is saved, and published if it is to be played with (VersionToPlay).
 //
 // How to wire it:
 //   LearnerLoop loop(settings, hooks);                      // resumes from the newest checkpoint

@@ -15,6 +15,11 @@ double LearningRateOf(const TrainingConfig& training, int iteration) {
          std::pow(training.final_learning_rate / training.learning_rate, progress);
 }
 
+std::uint32_t VersionToPlay(int iterations_done, FirstWeights first) {
+  if (iterations_done == 0 && first == FirstWeights::kUntrained) return 0;
+  return static_cast<std::uint32_t>(iterations_done) + 1;
+}
+
 Schedule::Schedule(int iterations, std::uint64_t decisions_per_iteration, int window_data_sets,
                    std::vector<TicketRange> data_sets)
     : iterations_(iterations),

@@ -16,6 +16,14 @@ namespace powderkeg {
 // factors, or constant.
 [[nodiscard]] double LearningRateOf(const TrainingConfig& training, int iteration);
 
+// What the weights of version 1, before the first iteration, are.
+enum class FirstWeights : std::uint8_t { kUntrained, kGiven };
+
+// The version of the weights that actors play with after so many iterations. 0 stands for no
+// network (the uniform evaluator), 1 for the weights before the first iteration, k + 1 for those
+// after iteration k. Untrained weights are not played with: they know nothing, and cost time.
+[[nodiscard]] std::uint32_t VersionToPlay(int iterations_done, FirstWeights first);
+
 // Iteration k (from 1) trains on the data sets k - window + 1 to k; its data set is taken when it
 // starts. A value; one thread.
 class Schedule {

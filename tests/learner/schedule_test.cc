@@ -61,6 +61,15 @@ TEST(Schedule, TheLearningRateFallsByEqualFactors) {
   EXPECT_DOUBLE_EQ(LearningRateOf(training, 3), 0.0004);
 }
 
+TEST(Schedule, UntrainedWeightsAreNotPlayedWith) {
+  EXPECT_EQ(VersionToPlay(0, FirstWeights::kUntrained), 0u);
+  EXPECT_EQ(VersionToPlay(0, FirstWeights::kGiven), 1u);
+  for (const auto first : {FirstWeights::kUntrained, FirstWeights::kGiven}) {
+    EXPECT_EQ(VersionToPlay(1, first), 2u);
+    EXPECT_EQ(VersionToPlay(7, first), 8u);
+  }
+}
+
 TEST(Schedule, AWindowOfOneNeedsNoOldGames) {
   Schedule schedule(5, 10, /*window_data_sets=*/1, {{0, 3}});
   EXPECT_TRUE(schedule.WindowOfNext().empty());

@@ -93,6 +93,26 @@ TEST(ConfigTest, ReadsFiles) {
   EXPECT_THROW((void)LoadConfig(path + ".none", {}), Error);
 }
 
+TEST(ConfigTest, ATieIsWorthInTrainingWhatItIsInTheSearch) {
+  const auto draw_value = [](const Changes& changes) {
+    return DrawValueOf(ParseConfig("", "x", changes));
+  };
+  const std::string search = "self_play.search.draw_value=-0.5";
+  EXPECT_EQ(draw_value({}), 0);
+  EXPECT_EQ(draw_value({search}), -0.5);
+  EXPECT_EQ(draw_value({search, "training.draw_value=0.25"}), 0.25);
+  EXPECT_EQ(draw_value({search, "training.draw_value=0"}), 0);
+  EXPECT_THROW(draw_value({"self_play.search.draw_value=-1.5"}), Error);
+  EXPECT_THROW(draw_value({"self_play.search.draw_value=nan"}), Error);
+  EXPECT_THAT(FaultOf("training { draw_value: 2 }"), HasSubstr("training.draw_value is 2"));
+  // What is resolved and stored keeps them tied.
+  const RunConfig config = ParseConfig("", "x", Changes{search});
+  const RunConfig stored = ParseConfig(ToText(config), "x", {});
+  EXPECT_EQ(stored, config);
+  EXPECT_EQ(
+      DrawValueOf(ParseConfig(ToText(config), "x", Changes{"self_play.search.draw_value=-1"})), -1);
+}
+
 TEST(ConfigTest, TheDigestFollowsTheSettings) {
   SelfPlayConfig config;
   const Sha256Digest digest = SettingsDigest(config);
