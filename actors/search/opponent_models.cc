@@ -29,7 +29,10 @@ void OpponentModels::StartGame(const SearchSettings& settings, const GameSetting
   others_.fill(Other());
   for (int i = 1; i < kAgentCount; ++i) {
     const auto id = static_cast<std::size_t>((self + i) % kAgentCount);
-    const OpponentModel assumed = settings.opponents[static_cast<std::size_t>(i - 1)];
+    const bool is_mate =
+        IsTeamMode(game.mode) && static_cast<AgentId>(id) == TeamMateOf(game.mode, self);
+    const OpponentModel listed = settings.opponents[static_cast<std::size_t>(i - 1)];
+    const OpponentModel assumed = is_mate ? settings.mate_model.value_or(listed) : listed;
     Other& other = others_[id];
     other.model.kind = assumed == OpponentModel::kRawNetwork ? ModelledAgent::Kind::kNetwork
                                                              : ModelledAgent::Kind::kPolicy;
@@ -40,6 +43,10 @@ void OpponentModels::StartGame(const SearchSettings& settings, const GameSetting
     other.rng = rng.Split(2 * kAgentCount + id);
     other.orders.Start(other.model.traits, rng.Split(id));
   }
+}
+
+void OpponentModels::KnowTraits(AgentId agent, const PolicyTraits& traits) {
+  others_[static_cast<std::size_t>(agent)].model.traits = traits;
 }
 
 void OpponentModels::ObserveStep(const State& before, const State& after) {

@@ -39,6 +39,10 @@ class OpponentModels {
   // Takes in one real step from the believed positions before and after it.
   void ObserveStep(const State& before, const State& after);
 
+  // For who knows what an agent hides: its model gets these traits instead of guessed ones. Once
+  // per game, after StartGame; with ModelMemory::kInferred they are guessed again.
+  void KnowTraits(AgentId agent, const PolicyTraits& traits);
+
   [[nodiscard]] AgentId self() const { return self_; }
   // Requires agent != self().
   [[nodiscard]] const ModelledAgent& Of(AgentId agent) const {

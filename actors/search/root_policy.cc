@@ -1,6 +1,7 @@
 #include "actors/search/root_policy.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
@@ -63,6 +64,20 @@ std::size_t MostValuable(const RootStatistics& root, std::size_t at_least) {
   return best;
 }
 
+std::size_t MostProbable(const RootStatistics& root) {
+  auto best = static_cast<std::size_t>(std::countr_zero(root.legal));
+  for (std::size_t a = best + 1; a < kActionCount; ++a) {
+    if ((root.legal >> a & 1) != 0 && root.priors[a] > root.priors[best]) best = a;
+  }
+  return best;
+}
+
+// k P N, the square of the visits that are forced.
+double ForcedVisitsSquared(double k, const RootStatistics& root, std::size_t action) {
+  const double all = std::accumulate(root.visits.begin(), root.visits.end(), 0.0);
+  return k * static_cast<double>(root.priors[action]) * all;
+}
+
 }  // namespace
 
 std::array<float, kActionCount> WithNoise(const SearchSettings& settings,
@@ -85,7 +100,7 @@ std::array<float, kActionCount> WithNoise(const SearchSettings& settings,
 
 Action ChooseMove(const SearchSettings& settings, const RootStatistics& root, Rng rng) {
   if (std::ranges::all_of(root.visits, [](std::uint32_t visits) { return visits == 0; })) {
-    return static_cast<Action>(std::ranges::max_element(root.priors) - root.priors.begin());
+    return static_cast<Action>(MostProbable(root));
   }
   const Scores scores = ScoresOf(settings, root);
   std::size_t chosen = settings.temperature > 0 ? Draw(scores, settings.temperature, rng)
@@ -96,6 +111,34 @@ Action ChooseMove(const SearchSettings& settings, const RootStatistics& root, Rn
     if (lead > settings.q_veto) chosen = valuable;
   }
   return static_cast<Action>(chosen);
+}
+
+std::size_t ForcedAction(double k, const RootStatistics& root) {
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    const double visits = root.visits[a];
+    if (visits > 0 && visits * visits < ForcedVisitsSquared(k, root, a)) return a;
+  }
+  return kActionCount;
+}
+
+std::array<std::uint32_t, kActionCount> WithoutForced(double k, double exploration,
+                                                      const RootStatistics& root) {
+  const auto score = [&](std::size_t a, std::uint32_t visits) {
+    return static_cast<double>(root.values[a]) +
+           exploration * static_cast<double>(root.priors[a]) / (1.0 + visits);
+  };
+  const auto best = static_cast<std::size_t>(ChooseMove({}, root, Rng(0)));
+  std::array<std::uint32_t, kActionCount> visits = root.visits;
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    if (a == best) continue;
+    auto forced = static_cast<std::uint32_t>(std::sqrt(ForcedVisitsSquared(k, root, a)));
+    for (; forced > 0 && visits[a] > 0; --forced) {
+      if (score(a, visits[a] - 1) >= score(best, visits[best])) break;
+      --visits[a];
+    }
+    if (visits[a] == 1) visits[a] = 0;
+  }
+  return visits;
 }
 
 }  // namespace powderkeg

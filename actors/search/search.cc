@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "actors/search/deciders.h"
-#include "actors/search/root_policy.h"
 #include "common/base/check.h"
 #include "common/pommerman/observation.h"
 
@@ -17,9 +16,8 @@ constexpr NodeIndex kRoot = 0;
 // Of one Gather, so that it returns to a caller who watches a clock also where all simulations end
 // in outcomes and ask nothing.
 constexpr int kMostSimulations = 256;
-constexpr float kWin = 1;
-constexpr float kLoss = -1;
 constexpr float kOwnDeathInTeam = -0.5F;
+constexpr std::uint64_t kFullSearchPurpose = 1;  // of the generator split from a move's
 
 bool ActsAlike(const ModelledAgent& a, const ModelledAgent& b) {
   return a.kind == b.kind && a.policy == b.policy;
@@ -28,6 +26,13 @@ bool ActsAlike(const ModelledAgent& a, const ModelledAgent& b) {
 GameSettings AsKnownTo(const SearchSettings& settings, GameSettings game) {
   if (!settings.step_limit) game.max_steps = std::numeric_limits<int>::max();
   return game;
+}
+
+// The only action in the set.
+Action OnlyOne(ActionSet actions) { return static_cast<Action>(std::countr_zero(actions)); }
+
+std::uint32_t AsCount(double share) {
+  return static_cast<std::uint32_t>(share * kImprovedPolicyScale + 0.5);
 }
 
 bool IsAlive(const State& state, AgentId agent) {
@@ -59,24 +64,35 @@ void Search::Start(const State& root, const OpponentModels& models, Rng rng) {
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
     if (agent != models.self()) known[static_cast<std::size_t>(agent)] = models.Of(agent);
   }
-  const bool foresight = settings_.tree_reuse && self_ == models.self() && finished_ > 0 &&
+  const bool has_tree = finished_ > 0 || (tree_.size() > 0 && tree_[kRoot].proven != 0);
+  const bool foresight = settings_.tree_reuse && self_ == models.self() && has_tree &&
                          std::ranges::equal(known, models_, ActsAlike);
   self_ = models.self();
   models_ = known;
   rng_ = rng;
   started_ = finished_ = reused_visits_ = 0;
   depth_sum_ = 0;
+  BeginBudget();
   const NodeIndex foreseen = foresight ? FindForeseen(root, kRoot) : kNoNode;
   if (foreseen == kNoNode) {
     BeginTree(root);
   } else {
-    tree_.Keep(foreseen, settings_.simulations);
+    tree_.Keep(foreseen, budget_);
   }
   BeginRoot();
 }
 
+// Playout cap randomisation (Wu 2019, 3.1): most searches are short and only play well.
+void Search::BeginBudget() {
+  full_search_ = settings_.full_search_share >= 1 ||
+                 rng_.Split(kFullSearchPurpose).Uniform() < settings_.full_search_share;
+  budget_ = full_search_ ? settings_.simulations : settings_.fast_simulations;
+  exploratory_start_ = full_search_ ? settings_.exploratory_start : 0;
+  forced_playouts_ = full_search_ ? settings_.forced_playouts : 0;
+}
+
 void Search::BeginTree(const State& root) {
-  tree_.Clear(settings_.simulations + 1);
+  tree_.Clear(budget_ + 1);
   Node& node = tree_[tree_.Add(kNoNode, Action::kStop)];
   node.state = root;
   node.mover = static_cast<std::uint8_t>(self_);
@@ -103,8 +119,8 @@ NodeIndex Search::FindForeseen(const State& root, NodeIndex parent) const {
   return kNoNode;
 }
 
-// What holds for new and kept roots alike: is there anything to search; what its untried actions
-// are worth and noise if it is already evaluated.
+// What holds for new and kept roots alike: is there anything to search; if it is already evaluated,
+// what its untried actions are worth, and noise.
 void Search::BeginRoot() {
   Node& root = tree_[kRoot];
   forced_ = std::popcount(LegalFor(root)) == 1;
@@ -112,7 +128,12 @@ void Search::BeginRoot() {
   Tree::SetUnvisited(root, static_cast<float>(settings_.root_unvisited_value));
   reused_visits_ = static_cast<int>(root.visit_count);
   root_priors_ = root.prior;
-  if (settings_.noise_weight > 0) {
+  if (root.proven != 0) budget_ = 0;
+  if (settings_.root == RootSearch::kGumbel) {
+    if (root.proven != 0) return;
+    const double scale = full_search_ ? settings_.gumbel_scale : 0;
+    halving_.Start(settings_, Candidates(), budget_, scale, rng_);
+  } else if (full_search_ && settings_.noise_weight > 0) {
     Tree::SetPriors(root, WithNoise(settings_, root_priors_, root.legal, rng_));
   }
 }
@@ -127,11 +148,16 @@ bool Search::Gather(EvaluationBatch& batch) {
     return true;
   }
   const auto most = static_cast<std::size_t>(settings_.leaves_per_batch);
-  const int pause = std::min(settings_.simulations, started_ + kMostSimulations);
-  while (started_ < pause && pending_.size() < most) {
-    if (!Simulate(batch)) break;
+  const int pause = started_ + kMostSimulations;
+  while (started_ < std::min(budget_, pause) && pending_.size() < most) {
+    if (AwaitsAnswers() || !Simulate(batch)) break;
   }
-  return !pending_.empty() || started_ < settings_.simulations;
+  return !pending_.empty() || started_ < budget_;
+}
+
+// Whether the next simulation's first action depends on answers that are still to come.
+bool Search::AwaitsAnswers() const {
+  return settings_.root == RootSearch::kGumbel && started_ > finished_ && halving_.phase_is_over();
 }
 
 bool Search::Simulate(EvaluationBatch& batch) {
@@ -143,6 +169,7 @@ bool Search::Simulate(EvaluationBatch& batch) {
                            (node.stage == Node::Stage::kEvaluated && DecideForOthers(index, batch));
     if (!can_go_on) {
       tree_.Undo(index);
+      if (index != kRoot && settings_.root == RootSearch::kGumbel) halving_.TakeBack();
       return false;
     }
     const Action action = ChooseAction(index);
@@ -160,15 +187,23 @@ bool Search::Simulate(EvaluationBatch& batch) {
 }
 
 Action Search::ChooseAction(NodeIndex index) {
-  const Node& node = tree_[index];
-  if (index != kRoot || settings_.exploratory_start == 0 ||
-      rng_.Uniform() >= settings_.exploratory_start) {
-    return tree_.Select(node);
+  return index == kRoot ? ChooseRootAction() : tree_.Select(tree_[index]);
+}
+
+Action Search::ChooseRootAction() {
+  const Node& root = tree_[kRoot];
+  if (settings_.root == RootSearch::kGumbel) return halving_.Next(Candidates());
+  if (exploratory_start_ != 0 && rng_.Uniform() < exploratory_start_) {
+    unsigned remaining = root.legal & ~static_cast<unsigned>(root.closed);
+    std::uint32_t skip = rng_.Below(static_cast<std::uint32_t>(std::popcount(remaining)));
+    for (; skip > 0; --skip) remaining &= remaining - 1;
+    return OnlyOne(static_cast<ActionSet>(remaining));
   }
-  std::uint32_t skip = rng_.Below(static_cast<std::uint32_t>(std::popcount(node.legal)));
-  unsigned remaining = node.legal;
-  for (; skip > 0; --skip) remaining &= remaining - 1;
-  return static_cast<Action>(std::countr_zero(remaining));
+  if (forced_playouts_ > 0) {
+    const std::size_t forced = ForcedAction(forced_playouts_, Candidates());
+    if (forced < kActionCount) return static_cast<Action>(forced);
+  }
+  return tree_.Select(root);
 }
 
 // Fills in `actions` for everybody who does not choose in the tree; false if networks are asked.
@@ -180,12 +215,12 @@ bool Search::DecideForOthers(NodeIndex index, EvaluationBatch& batch) {
     const auto id = static_cast<std::size_t>(agent);
     node.actions[id] = Action::kStop;
     if (agent == self_ || agent == node.next_mover || !IsAlive(node.state, agent)) continue;
-    const ModelledAgent& known = models_[id];
-    if (known.kind == ModelledAgent::Kind::kNetwork) {
+    if (ActsByNetwork(node, agent)) {
       node.stage = Node::Stage::kAsksModels;
       Ask(index, agent, batch);
       continue;
     }
+    const ModelledAgent& known = models_[id];
     const PolicyView view{node.state, game_, agent, VisibleFor(node.state, agent)};
     node.actions[id] = Decide(known.policy, view, known.traits, node.memories[id], rng_);
   }
@@ -210,14 +245,25 @@ NodeIndex Search::Expand(NodeIndex parent_index, Action action) {
 // Everybody's action is known: plays them.
 void Search::StepEnvironment(const Node& parent, Node& child) {
   const Outcome outcome = Advance(game_, child.actions, child.state);
-  const auto mover = static_cast<std::size_t>(parent.mover);
-  if (parent.mover != self_) {
-    ObserveMove(models_[mover].policy, parent.state.agents[mover].cell,
-                child.state.agents[mover].cell, child.memories[mover]);
-  }
+  if (parent.mover != self_) ObserveMover(parent, parent.mover, child);
+  if (settings_.raw_network_depth > 0) ObserveNetworkMoves(parent, child);
   child.mover = child.next_mover = static_cast<std::uint8_t>(self_);
   child.side = 1;
   Judge(outcome, child);
+}
+
+// Somebody acted otherwise than by its rule-based model, which may act next time.
+void Search::ObserveMover(const Node& parent, AgentId agent, Node& child) const {
+  const auto id = static_cast<std::size_t>(agent);
+  ObserveMove(models_[id].policy, parent.state.agents[id].cell, child.state.agents[id].cell,
+              child.memories[id]);
+}
+
+void Search::ObserveNetworkMoves(const Node& parent, Node& child) const {
+  for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+    if (agent == self_ || agent == parent.mover || !IsAlive(parent.state, agent)) continue;
+    if (ActsByNetwork(parent, agent)) ObserveMover(parent, agent, child);
+  }
 }
 
 // Whether it is over for the searching agent, and how it ended.
@@ -228,9 +274,11 @@ void Search::Judge(const Outcome& outcome, Node& node) const {
   if (outcome.done && outcome.result == Result::kTie) {
     node.evaluation = static_cast<float>(settings_.draw_value);
   } else if (outcome.done) {
-    node.evaluation = (outcome.winners >> self_ & 1) != 0 ? kWin : kLoss;
+    node.proven = (outcome.winners >> self_ & 1) != 0 ? 1 : -1;
+    node.evaluation = node.proven;
   } else if (!IsTeamMode(game_.mode)) {
-    node.evaluation = kLoss;
+    node.proven = -1;
+    node.evaluation = node.proven;
   } else if (settings_.mate_value_on_death && IsAlive(node.state, TeamMateOf(game_.mode, self_))) {
     node.stage = Node::Stage::kAsksMate;
   } else {
@@ -295,6 +343,10 @@ void Search::TakeModelPolicy(Node& node, AgentId agent, const Evaluation& evalua
 
 void Search::EndSimulation(NodeIndex leaf) {
   tree_.BackUp(leaf, tree_[leaf].evaluation);
+  if (settings_.terminal_solver && tree_[leaf].proven != 0) {
+    tree_.Prove(leaf);
+    if (tree_[kRoot].proven != 0) budget_ = started_;
+  }
   ++finished_;
   depth_sum_ += tree_[leaf].state.step - tree_[kRoot].state.step;
 }
@@ -305,8 +357,9 @@ SearchResult Search::Result() const {
   SearchResult result;
   const Node& root = tree_[kRoot];
   result.searched = !forced_;
+  result.full_search = full_search_;
   if (forced_) {
-    result.best = static_cast<Action>(std::countr_zero(LegalFor(root)));
+    result.best = OnlyOne(LegalFor(root));
     return result;
   }
   CHECK(root.stage != Node::Stage::kNew, "no result before the root is evaluated");
@@ -321,22 +374,72 @@ SearchResult Search::Result() const {
   result.evaluator_value = root.evaluation;
   result.value =
       root.visit_count == 0 ? root.evaluation : static_cast<float>(value_sum / root.visit_count);
-  result.best = ChooseMove(settings_, {result.visits, result.values, result.priors}, rng_);
+  if (root.proven != 0) result.value = root.proven;
+  ChooseFrom(Candidates(), result);
   result.simulations = finished_;
   result.reused_visits = reused_visits_;
   if (finished_ > 0) result.mean_depth = static_cast<double>(depth_sum_) / finished_;
-  if (root.stage == Node::Stage::kReady) {
-    result.expected_actions = root.actions;
-    for (AgentId agent = 0; agent < kAgentCount; ++agent) {
-      if (agent == self_ || agent == root.next_mover || !IsAlive(root.state, agent)) continue;
-      result.expected_agents = static_cast<std::uint8_t>(result.expected_agents | 1U << agent);
-    }
-  }
+  ExpectActions(result);
   return result;
+}
+
+// The root as the choice of its actions sees it: only the winning one where one is proven, none of
+// those proven lost unless all are.
+RootStatistics Search::Candidates() const {
+  const Node& root = tree_[kRoot];
+  const auto open = static_cast<ActionSet>(root.legal & ~root.closed);
+  RootStatistics candidates;
+  candidates.evaluation = root.evaluation;
+  candidates.legal = open != 0 ? open : root.legal;
+  for (std::size_t a = 0; a < kActionCount && root.proven > 0; ++a) {
+    const NodeIndex child = root.child[a];
+    if (child == kNoNode || tree_[child].proven <= 0) continue;
+    candidates.legal = static_cast<ActionSet>(1U << a);
+    break;
+  }
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    if ((candidates.legal >> a & 1) == 0) continue;
+    candidates.priors[a] = root.prior[a];
+    candidates.visits[a] = root.visits[a];
+    if (root.visits[a] > 0) candidates.values[a] = root.value[a];
+  }
+  return candidates;
+}
+
+// The move and what is to be learned.
+void Search::ChooseFrom(RootStatistics candidates, SearchResult& result) const {
+  const Node& root = tree_[kRoot];
+  if (settings_.root == RootSearch::kGumbel && root.proven == 0) {
+    result.best = halving_.Best(candidates);
+    std::ranges::transform(ImprovedPolicy(settings_, candidates), result.target.begin(), AsCount);
+    return;
+  }
+  const double exploration = static_cast<double>(tree_.Exploration(root.visit_count));
+  result.target = forced_playouts_ > 0 ? WithoutForced(forced_playouts_, exploration, candidates)
+                                       : candidates.visits;
+  candidates.priors = root_priors_;
+  result.best = ChooseMove(settings_, candidates, rng_);
+  const bool learnable = std::ranges::any_of(result.target, [](auto count) { return count > 0; });
+  if (!learnable) result.target[static_cast<std::size_t>(result.best)] = 1;
+}
+
+void Search::ExpectActions(SearchResult& result) const {
+  const Node& root = tree_[kRoot];
+  if (root.stage != Node::Stage::kReady) return;
+  result.expected_actions = root.actions;
+  for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+    if (agent == self_ || agent == root.next_mover || !IsAlive(root.state, agent)) continue;
+    result.expected_agents = static_cast<std::uint8_t>(result.expected_agents | 1U << agent);
+  }
 }
 
 ActionSet Search::LegalFor(const Node& node) const {
   return settings_.action_filter ? LegalActions(node.state, node.mover) : kAllActions;
+}
+
+bool Search::ActsByNetwork(const Node& node, AgentId agent) const {
+  return models_[static_cast<std::size_t>(agent)].kind == ModelledAgent::Kind::kNetwork ||
+         node.state.step - tree_[kRoot].state.step < settings_.raw_network_depth;
 }
 
 BitBoard Search::VisibleFor(const State& state, AgentId viewer) const {

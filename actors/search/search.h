@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "actors/search/gumbel_root.h"
 #include "actors/search/opponent_models.h"
+#include "actors/search/root_policy.h"
 #include "actors/search/search_settings.h"
 #include "actors/search/tree.h"
 #include "common/base/rng.h"
@@ -25,16 +27,25 @@ struct SearchResult {
   std::array<std::uint32_t, kActionCount> visits{};  // simulations through each action
   std::array<float, kActionCount> values{};          // mean value, own view; 0 without a visit
   std::array<float, kActionCount> priors{};          // evaluator's policy, illegal ones 0
-  float value = 0;                                   // of the root: mean over simulations, [-1, 1]
-  float evaluator_value = 0;                         // the evaluator's own answer for the root
-  int simulations = 0;                               // made for this move
-  int reused_visits = 0;                             // kept from the previous move's tree
-  double mean_depth = 0;                             // environment steps from root to leaf
+  // The policy to learn from, as counts that are not all 0. root=puct: the visits, without those of
+  // forced playouts and of actions that are proven lost. root=gumbel: the improved policy times
+  // kImprovedPolicyScale. A proven win: that action alone.
+  std::array<std::uint32_t, kActionCount> target{};
+  // False for a fast search (full_search_share): too short to learn its policy.
+  bool full_search = true;
+  float value = 0;            // of the root: mean over simulations, [-1, 1]
+  float evaluator_value = 0;  // the evaluator's own answer for the root
+  int simulations = 0;        // made for this move
+  int reused_visits = 0;      // kept from the previous move's tree
+  double mean_depth = 0;      // environment steps from root to leaf
   // What the models do at the root; bit i of `expected_agents` says that entry i holds (living
   // agents that act by model, once a simulation has stepped from the root).
   JointAction expected_actions{};
   std::uint8_t expected_agents = 0;
 };
+
+// Precision of a recorded improved policy: hundredths of a per cent.
+inline constexpr double kImprovedPolicyScale = 10'000;
 
 // One search after another for one agent; a state machine that a loop feeds:
 //
@@ -75,6 +86,7 @@ class Search {
   };
 
   // Start
+  void BeginBudget();
   void BeginTree(const State& root);
   [[nodiscard]] NodeIndex FindForeseen(const State& root, NodeIndex parent) const;
   void BeginRoot();
@@ -83,9 +95,13 @@ class Search {
   // next Scatter.
   bool Simulate(EvaluationBatch& batch);
   [[nodiscard]] Action ChooseAction(NodeIndex node);
+  [[nodiscard]] Action ChooseRootAction();
+  [[nodiscard]] bool AwaitsAnswers() const;
   bool DecideForOthers(NodeIndex node, EvaluationBatch& batch);
   NodeIndex Expand(NodeIndex parent, Action action);
   void StepEnvironment(const Node& parent, Node& child);
+  void ObserveMover(const Node& parent, AgentId agent, Node& child) const;
+  void ObserveNetworkMoves(const Node& parent, Node& child) const;
   void Judge(const Outcome& outcome, Node& node) const;
   void ReachLeaf(NodeIndex leaf, EvaluationBatch& batch);
   void Ask(NodeIndex node, AgentId viewer, EvaluationBatch& batch);
@@ -96,6 +112,12 @@ class Search {
   void TakeModelPolicy(Node& node, AgentId agent, const Evaluation& evaluation) const;
   void EndSimulation(NodeIndex leaf);
 
+  // Result
+  [[nodiscard]] RootStatistics Candidates() const;
+  void ChooseFrom(RootStatistics candidates, SearchResult& result) const;
+  void ExpectActions(SearchResult& result) const;
+
+  [[nodiscard]] bool ActsByNetwork(const Node& node, AgentId agent) const;
   [[nodiscard]] ActionSet LegalFor(const Node& node) const;
   [[nodiscard]] BitBoard VisibleFor(const State& state, AgentId viewer) const;
 
@@ -107,8 +129,13 @@ class Search {
   Tree tree_;
   std::vector<Pending> pending_;
   bool forced_ = true;  // nothing to search
-  int started_ = 0;     // simulations of this move, those waiting for an answer included
-  int finished_ = 0;    // simulations of this move that were backed up
+  bool full_search_ = true;
+  int budget_ = 0;  // simulations of this move
+  double exploratory_start_ = 0;
+  double forced_playouts_ = 0;
+  SequentialHalving halving_;  // of a Gumbel root
+  int started_ = 0;            // simulations of this move, those waiting for an answer included
+  int finished_ = 0;           // simulations of this move that were backed up
   int reused_visits_ = 0;
   std::int64_t depth_sum_ = 0;                     // environment steps over finished simulations
   std::array<float, kActionCount> root_priors_{};  // before noise

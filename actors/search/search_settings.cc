@@ -20,6 +20,8 @@ constexpr std::array<std::string_view, 2> kSimulatedOpponentNames = {"closest", 
 constexpr std::array<std::string_view, 3> kMemoryNames = {"reset", "synchronized", "inferred"};
 constexpr std::array<std::string_view, 7> kModelNames = {
     "idle", "random", "harmless", "simple_unbiased", "official_simple", "raw_network", "observed"};
+constexpr std::array<std::string_view, 2> kRootNames = {"puct", "gumbel"};
+constexpr std::string_view kMateAsOpponents = "as_opponents";
 constexpr std::array<std::string_view, 2> kFlagNames = {"false", "true"};
 
 struct Whole {
@@ -43,10 +45,12 @@ struct Choice {
 };
 // One model for all others, or three separated by '/'.
 struct Models {};
+// The model of the mate, or kMateAsOpponents.
+struct MateModel {};
 
 struct OptionRow {
   std::string_view name;
-  std::variant<Whole, Real, Flag, Choice, Models> kind;
+  std::variant<Whole, Real, Flag, Choice, Models, MateModel> kind;
   std::string_view help;
 };
 
@@ -68,6 +72,9 @@ const std::vector<OptionRow>& Table() {
       {"simulated_opponent_reach", Whole{&S::simulated_opponent_reach, 1, 20},
        "enemies farther away (Manhattan) act by model"},
       {"opponents", Models{}, "models of the others: one, or three separated by '/'"},
+      {"mate_model", MateModel{}, "model of the mate in team modes"},
+      {"raw_network_depth", Whole{&S::raw_network_depth, 0, 1000},
+       "steps of a simulation in which all models are the network"},
       {"memory", ChoiceOf<&S::memory>(kMemoryNames), "what models keep of the real game"},
       {"c_puct_init", Real{&S::c_puct_init, 0, 100}, "exploration factor"},
       {"c_puct_base", Real{&S::c_puct_base, 1, 1e9}, "visits over which exploration grows"},
@@ -75,6 +82,14 @@ const std::vector<OptionRow>& Table() {
       {"root_unvisited_value", Real{&S::root_unvisited_value, -1, 1}, "the same at the root"},
       {"renormalise_priors", Flag{&S::renormalise_priors}, "priors of the legal actions sum to 1"},
       {"action_filter", Flag{&S::action_filter}, "search legal actions only"},
+      {"root", ChoiceOf<&S::root>(kRootNames), "how the root shares its simulations out"},
+      {"gumbel_considered", Whole{&S::gumbel_considered, 1, 6},
+       "root=gumbel: actions that sequential halving begins with"},
+      {"gumbel_scale", Real{&S::gumbel_scale, 0, 10}, "root=gumbel: of the noise; 0: none"},
+      {"gumbel_c_visit", Real{&S::gumbel_c_visit, 0, 1e6},
+       "root=gumbel: visits beside which an action's own weigh little"},
+      {"gumbel_c_scale", Real{&S::gumbel_c_scale, 0, 1000},
+       "root=gumbel: weight of the values beside the priors"},
       {"noise_alpha", Real{&S::noise_alpha, 0.001, 100}, "Dirichlet parameter at the root"},
       {"noise_weight", Real{&S::noise_weight, 0, 1}, "share of noise in the root's priors"},
       {"exploratory_start", Real{&S::exploratory_start, 0, 1},
@@ -82,10 +97,17 @@ const std::vector<OptionRow>& Table() {
       {"temperature", Real{&S::temperature, 0, 100}, "of the move's choice; 0: most visited"},
       {"q_weight", Real{&S::q_weight, 0, 1}, "share of the values in the move's choice"},
       {"q_veto", Real{&S::q_veto, 0, 2}, "lead in value that overrules visits; 0: never"},
+      {"forced_playouts", Real{&S::forced_playouts, 0, 100},
+       "k of the visits sqrt(k P N) that tried actions get at the root; 0: off"},
+      {"full_search_share", Real{&S::full_search_share, 0, 1},
+       "moves searched with all simulations and learned as policies"},
+      {"fast_simulations", Whole{&S::fast_simulations, 1, 1'000'000},
+       "simulations of the other moves"},
       {"draw_value", Real{&S::draw_value, -1, 1}, "value of a tie"},
       {"step_limit", Flag{&S::step_limit}, "the search knows that games end after max_steps"},
       {"mate_value_on_death", Flag{&S::mate_value_on_death},
        "team: the network judges for the mate after own death; otherwise -0.5"},
+      {"terminal_solver", Flag{&S::terminal_solver}, "prove wins and losses up the tree"},
       {"tree_reuse", Flag{&S::tree_reuse}, "keep the subtree of what happened"},
       {"leaves_per_batch", Whole{&S::leaves_per_batch, 1, 1024}, "leaves asked for at a time"},
   };
@@ -125,6 +147,9 @@ std::string AllowedFor(const OptionRow& row) {
   if (const auto* choice = std::get_if<Choice>(&row.kind)) return Joined(choice->names, " or ");
   if (std::holds_alternative<Models>(row.kind)) {
     return "one model, or three separated by '/', of " + Joined(kModelNames, ", ");
+  }
+  if (std::holds_alternative<MateModel>(row.kind)) {
+    return StrCat(kMateAsOpponents, ", ", Joined(kModelNames, ", "));
   }
   return Joined(kFlagNames, " or ");
 }
@@ -174,6 +199,14 @@ bool SetModels(std::string_view value, SearchSettings& settings) {
   return true;
 }
 
+bool SetMateModel(std::string_view value, SearchSettings& settings) {
+  const auto index = IndexOf(kModelNames, value);
+  if (!index && value != kMateAsOpponents) return false;
+  settings.mate_model.reset();
+  if (index) settings.mate_model = static_cast<OpponentModel>(*index);
+  return true;
+}
+
 bool Set(const OptionRow& row, std::string_view value, SearchSettings& settings) {
   if (const auto* whole = std::get_if<Whole>(&row.kind)) {
     return SetNumber(*whole, Parse<int>(value), settings);
@@ -191,6 +224,7 @@ bool Set(const OptionRow& row, std::string_view value, SearchSettings& settings)
     if (index) choice->write(settings, *index);
     return index.has_value();
   }
+  if (std::holds_alternative<MateModel>(row.kind)) return SetMateModel(value, settings);
   return SetModels(value, settings);
 }
 
@@ -212,13 +246,18 @@ std::string Get(const OptionRow& row, const SearchSettings& settings) {
   if (const auto* choice = std::get_if<Choice>(&row.kind)) {
     return std::string(choice->names[choice->read(settings)]);
   }
+  if (std::holds_alternative<MateModel>(row.kind)) {
+    if (!settings.mate_model) return std::string(kMateAsOpponents);
+    return std::string(kModelNames[static_cast<std::size_t>(*settings.mate_model)]);
+  }
   return ModelsText(settings);
 }
 
 SearchSettings PresetFor(std::string_view name) {
   if (name == "default") return {};
   if (name == "paper") return PaperSettings();
-  RefuseValue("preset", name, "default or paper");
+  if (name == "gumbel") return GumbelSettings();
+  RefuseValue("preset", name, "default, paper or gumbel");
 }
 
 }  // namespace
@@ -231,6 +270,12 @@ SearchSettings PaperSettings() {
   settings.step_limit = false;
   settings.mate_value_on_death = false;
   settings.tree_reuse = false;
+  return settings;
+}
+
+SearchSettings GumbelSettings() {
+  SearchSettings settings;
+  settings.root = RootSearch::kGumbel;
   return settings;
 }
 

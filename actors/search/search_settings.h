@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,6 +24,14 @@ enum class SimulatedOpponent : std::uint8_t {
   kClosest,        // by Manhattan distance, ties by lowest id
   kMostDangerous,  // whose bomb, laid now, would reach the searching agent; among several, the
                    // closest; without one, the closest
+};
+
+// How the simulations are shared out among the actions of the root.
+enum class RootSearch : std::uint8_t {
+  kPuct,    // as inside the tree, with noise
+  kGumbel,  // sequential halving of Gumbel-drawn candidates (gumbel_root.h); the improved policy is
+            // learned. Noise, exploratory starts, forced playouts, root_unvisited_value and the
+            // options of the move's choice do not apply
 };
 
 // What stands in for an agent that is not searched.
@@ -51,9 +60,14 @@ struct SearchSettings {
   // An enemy farther away (Manhattan) than this does not branch; with none in reach the step is
   // one-player.
   int simulated_opponent_reach = 20;
-  // Models of the agents self + 1, self + 2, self + 3 (mod 4).
+  // Models of the agents self + 1, self + 2, self + 3 (mod 4). In team modes the second is the
+  // mate.
   std::array<OpponentModel, 3> opponents = {OpponentModel::kObserved, OpponentModel::kObserved,
                                             OpponentModel::kObserved};
+  std::optional<OpponentModel> mate_model;  // of the mate in team modes, instead of opponents[1]
+  // In the first steps of a simulation, this many, all models are the network (as kRawNetwork);
+  // then `opponents` says. Nodes of a kept tree stay as they were decided.
+  int raw_network_depth = 0;
   ModelMemory memory = ModelMemory::kInferred;
 
   // Selection: Q + c(N) P sqrt(N) / (1 + n), c(N) = c_puct_init + ln((N + base + 1) / base).
@@ -68,6 +82,11 @@ struct SearchSettings {
   bool action_filter = true;        // only LegalActions; otherwise all six
 
   // Root.
+  RootSearch root = RootSearch::kPuct;
+  int gumbel_considered = 6;   // actions that sequential halving begins with; 6: all legal ones
+  double gumbel_scale = 1;     // of the Gumbel numbers; 0: none, for the strongest move
+  double gumbel_c_visit = 50;  // as published for board games, as c_scale is
+  double gumbel_c_scale = 1;
   double noise_alpha = 0.2;      // Dirichlet
   double noise_weight = 0.25;    // share of noise in the root's priors; 0: none
   double exploratory_start = 0;  // probability that a simulation starts with a random action
@@ -75,11 +94,23 @@ struct SearchSettings {
   double q_weight = 0;           // share of the values in the choice by visits
   double q_veto = 0;  // prefer the action of the best value if it leads by more than this; 0: never
 
+  double forced_playouts = 0;  // k (root_policy.h); 2 as published; 0: off
+
+  // Playout cap randomisation: this share of the moves is searched with all simulations, the others
+  // with fast_simulations, without noise, exploratory starts and forced playouts, and not to be
+  // learned as policies.
+  double full_search_share = 1;
+  int fast_simulations = 50;
+
   // Ends, values from the searching agent's view.
   double draw_value = 0;            // of a tie
   bool step_limit = true;           // whether the search knows that a game ends after max_steps
   bool mate_value_on_death = true;  // team: after own death the network judges for the mate;
                                     // otherwise that is worth -0.5
+  // Won and lost positions are proven up the tree, given what the models do and the actions that
+  // are searched: lost actions get no more simulations, are not chosen and not learned; a search
+  // ends when its root is proven. As published: lowers win rates, as models err.
+  bool terminal_solver = false;
 
   bool tree_reuse = true;  // keep the subtree of what really happened
   // Leaves per Gather. More than one fills batches from one tree at some cost in strength.
@@ -89,12 +120,17 @@ struct SearchSettings {
 };
 
 // As published (paper.md): SimpleUnbiased models, reset at each move, step limit unknown, no reuse,
-// exploratory starts.
+// exploratory starts. That its nodes choose among their visited children and the next two unvisited
+// by prior changes nothing: of the unvisited ones, all of equal Q, the next by prior always scores
+// highest (tree_test ChoosesAmongVisitedAndTheNextTwo).
 [[nodiscard]] SearchSettings PaperSettings();
 
+// The defaults with a Gumbel root.
+[[nodiscard]] SearchSettings GumbelSettings();
+
 // Sets one option from text. Throws Error for an unknown name (lists the known ones) and for a bad
-// value (says the value and what is allowed). The option "preset" (default | paper) replaces every
-// setting: it must come first.
+// value (says the value and what is allowed). The option "preset" (default | paper | gumbel)
+// replaces every setting: it must come first.
 void SetOption(SearchSettings& settings, std::string_view name, std::string_view value);
 
 // The defaults changed by the options in order, except that a preset is applied first. Throws

@@ -4,29 +4,17 @@
 #include <cmath>
 #include <limits>
 
+#include "actors/search/portable_math.h"
 #include "common/base/check.h"
 
 namespace powderkeg {
 namespace {
 
-// ln(1 + x) for x >= 0 as 2 artanh(x / (2 + x)). The library's logarithm may differ in its last bit
-// between machines; +, * and / do not.
-double LogOnePlus(double x) {
-  int halvings = 0;
-  double argument = 1 + x;
-  while (argument > 2) {
-    argument /= 2;
-    ++halvings;
-  }
-  const double z = (argument - 1) / (argument + 1);
-  double power = z;
-  double sum = 0;
-  for (int n = 1; n < 40; n += 2) {
-    sum += power / n;
-    power *= z * z;
-  }
-  constexpr double kLogOfTwo = 0.69314718055994530942;
-  return 2 * sum + halvings * kLogOfTwo;
+// Requires that the edge is legal.
+void RenewUrge(Node& node, std::size_t action) {
+  const bool closed = (node.closed >> action & 1) != 0;
+  node.urge[action] = closed ? -std::numeric_limits<float>::infinity()
+                             : node.prior[action] / static_cast<float>(1 + node.visits[action]);
 }
 
 }  // namespace
@@ -78,6 +66,7 @@ NodeIndex Tree::Add(NodeIndex parent, Action parent_action) {
   node.parent = parent;
   node.parent_action = parent_action;
   node.stage = Node::Stage::kNew;
+  node.proven = 0;
   node.visit_count = 0;
   if (parent != kNoNode) (*this)[parent].child[static_cast<std::size_t>(parent_action)] = size_;
   return size_++;
@@ -86,6 +75,7 @@ NodeIndex Tree::Add(NodeIndex parent, Action parent_action) {
 void Tree::SetEdges(Node& node, ActionSet legal,
                     std::span<const float, kActionCount> policy) const {
   node.legal = legal;
+  node.closed = 0;
   node.child.fill(kNoNode);
   node.visits.fill(0);
   node.visit_count = 0;
@@ -109,7 +99,7 @@ void Tree::SetPriors(Node& node, std::span<const float, kActionCount> priors) {
   for (std::size_t a = 0; a < kActionCount; ++a) {
     if ((node.legal >> a & 1) == 0) continue;
     node.prior[a] = priors[a];
-    node.urge[a] = priors[a] / static_cast<float>(1 + node.visits[a]);
+    RenewUrge(node, a);
   }
 }
 
@@ -144,7 +134,8 @@ void Tree::Undo(NodeIndex node) {
     Node& parent = (*this)[(*this)[child].parent];
     const auto a = static_cast<std::size_t>((*this)[child].parent_action);
     --parent.visit_count;
-    parent.urge[a] = parent.prior[a] / static_cast<float>(1 + --parent.visits[a]);
+    --parent.visits[a];
+    RenewUrge(parent, a);
   }
 }
 
@@ -154,6 +145,21 @@ void Tree::BackUp(NodeIndex node, float value) {
     const auto a = static_cast<std::size_t>((*this)[child].parent_action);
     const auto visits = static_cast<float>(parent.visits[a]);
     parent.value[a] = visits == 1 ? value : parent.value[a] + (value - parent.value[a]) / visits;
+  }
+}
+
+void Tree::Prove(NodeIndex node) {
+  for (NodeIndex index = node; (*this)[index].parent != kNoNode; index = (*this)[index].parent) {
+    const Node& child = (*this)[index];
+    Node& parent = (*this)[child.parent];
+    const auto a = static_cast<std::size_t>(child.parent_action);
+    parent.value[a] = child.proven;
+    if (child.proven != parent.side) {
+      parent.closed = static_cast<ActionSet>(parent.closed | 1U << a);
+      RenewUrge(parent, a);
+      if (parent.closed != parent.legal) return;
+    }
+    parent.proven = child.proven;
   }
 }
 

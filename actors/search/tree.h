@@ -52,6 +52,8 @@ struct alignas(64) Node {
   std::uint8_t next_mover;  // who chooses next within this step; `mover` itself: nobody
   std::int8_t side;         // +1: the searching agent moves; -1: an enemy
   ActionSet legal;
+  ActionSet closed;    // actions proven to end badly for the mover: never selected again
+  std::int8_t proven;  // +1 won, -1 lost for the searching agent whatever comes; 0: not known
   JointAction actions;
   // What the models remember: before they decide on this position, then after it.
   std::array<PolicyMemory, kAgentCount> memories;
@@ -89,12 +91,19 @@ class Tree {
   // N is the number of visits of all edges, at least 1 (so that the first choice follows P).
   [[nodiscard]] Action Select(const Node& node) const;
 
+  // c(N) sqrt(N) of that rule.
+  [[nodiscard]] float Exploration(std::size_t visits) const { return exploration_[visits]; }
+
   // Counts a simulation under way through an edge.
   static void Visit(Node& node, Action action);
   // Takes back the visits from the root to `node`.
   void Undo(NodeIndex node);
   // Ends the simulation that was counted from the root to `node`: averages its value in.
   void BackUp(NodeIndex node, float value);
+  // Takes in that `node` is proven: closes the edge to it where its parent's mover would rather do
+  // anything else; proves the parent where that mover would do nothing else, or has nothing else;
+  // and so on up to the root.
+  void Prove(NodeIndex node);
 
   [[nodiscard]] Node& operator[](NodeIndex node) { return nodes_[static_cast<std::size_t>(node)]; }
   [[nodiscard]] const Node& operator[](NodeIndex node) const {

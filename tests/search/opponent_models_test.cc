@@ -24,6 +24,18 @@ TEST(OpponentModels, FollowTheSettingsByPlace) {
   EXPECT_EQ(models.Of(1).policy, PolicyKind::kRandom);
 }
 
+TEST(OpponentModels, TheMateIsTheSecondOfThemOrHasItsOwn) {
+  SearchSettings settings;
+  settings.opponents = {OpponentModel::kIdle, OpponentModel::kHarmless, OpponentModel::kIdle};
+  GameSettings team;
+  team.mode = Mode::kTeam;
+  EXPECT_EQ(ModelsAtStart(settings, /*self=*/3, team).Of(1).policy, PolicyKind::kHarmless);
+  settings.mate_model = OpponentModel::kOfficialSimple;
+  EXPECT_EQ(ModelsAtStart(settings, 3, team).Of(1).policy, PolicyKind::kOfficialSimple);
+  EXPECT_EQ(ModelsAtStart(settings, 3, team).Of(2).policy, PolicyKind::kIdle);
+  EXPECT_EQ(ModelsAtStart(settings, 3).Of(1).policy, PolicyKind::kHarmless) << "no mate";
+}
+
 TEST(OpponentModels, SynchronizedMemoryHoldsObservedPositions) {
   OpponentModels models = ModelsAtStart(WithMemory(ModelMemory::kSynchronized), 0);
   const State before = KnownStart(1);

@@ -75,5 +75,39 @@ TEST(RootPolicy, NoiseIsSpreadOverLegalActions) {
   EXPECT_EQ(sums[2] + sums[4] + sums[5], 0);
 }
 
+TEST(RootPolicy, WithoutVisitsOnlyLegalActionsAreChosen) {
+  RootStatistics root = kRoot;
+  root.visits.fill(0);
+  root.legal = 0b110110;
+  EXPECT_EQ(ChooseMove({}, root, Rng(1)), Action::kBomb);
+  root.priors.fill(0);
+  EXPECT_EQ(ChooseMove({}, root, Rng(1)), Action::kUp);
+}
+
+// sqrt(2 P 100): 6.3, 4.5, -, 8.9, 4.5, -.
+TEST(RootPolicy, ForcesTriedActionsToTheirShare) {
+  RootStatistics root = kRoot;
+  EXPECT_EQ(ForcedAction(/*k=*/2, root), kActionCount);
+  root.visits = {10, 67, 0, 8, 10, 5};
+  EXPECT_EQ(ForcedAction(2, root), 3U) << "8 visits are fewer than 8.9";
+  root.visits = {6, 63, 0, 8, 10, 13};
+  EXPECT_EQ(ForcedAction(2, root), 0U) << "the lowest";
+  root.visits = {0, 90, 0, 10, 0, 0};
+  EXPECT_EQ(ForcedAction(2, root), kActionCount) << "untried actions are not forced";
+}
+
+TEST(RootPolicy, ForcedVisitsAreNotLearned) {
+  RootStatistics root;
+  root.priors = {0.5F, 0.2F, 0.1F, 0.1F, 0.1F, 0};
+  root.values = {0.5F, -0.9F, 0.45F, -0.9F, 0.4F, 0};
+  root.visits = {80, 6, 4, 1, 9, 0};
+  // Scores with exploration 10: best 0.5 + 5 / 81 = 0.56. Action 1 stays below it down to 1 visit
+  // (-0.9 + 2 / 2), which goes too. Action 2 would be above it with 3 visits. 4 visits of action 4
+  // (0.4 + 1 / 5) would be above it, 5 not (0.4 + 1 / 6 = 0.567 is), so it keeps 6.
+  EXPECT_EQ(WithoutForced(/*k=*/2, /*exploration=*/10, root),
+            (std::array<std::uint32_t, kActionCount>{80, 0, 4, 0, 6, 0}));
+  EXPECT_EQ(WithoutForced(/*k=*/0, 10, root)[1], 6U);
+}
+
 }  // namespace
 }  // namespace powderkeg

@@ -39,14 +39,20 @@ void ExpectSound(const SearchSettings& settings, const State& root, AgentId self
   const ActionSet legal = LegalActions(root, self);
   EXPECT_TRUE((legal >> static_cast<int>(result.best) & 1) != 0);
   if (!result.searched) return;
-  EXPECT_EQ(result.simulations, settings.simulations);
+  if (settings.terminal_solver) {
+    EXPECT_LE(result.simulations, settings.simulations);
+  } else {
+    EXPECT_EQ(result.simulations, settings.simulations);
+  }
   EXPECT_EQ(std::accumulate(result.visits.begin(), result.visits.end(), 0),
-            settings.simulations + result.reused_visits);
+            result.simulations + result.reused_visits);
+  EXPECT_GT(std::accumulate(result.target.begin(), result.target.end(), 0U), 0U);
   EXPECT_THAT(result.value, testing::AllOf(testing::Ge(-1.0F), testing::Le(1.0F)));
   for (std::size_t a = 0; a < kActionCount; ++a) {
     EXPECT_THAT(result.values[a], testing::AllOf(testing::Ge(-1.0001F), testing::Le(1.0001F)));
     if ((legal >> a & 1) == 0) {
       EXPECT_EQ(result.visits[a], 0U);
+      EXPECT_EQ(result.target[a], 0U);
       EXPECT_EQ(result.priors[a], 0);
     }
   }
@@ -112,6 +118,19 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"NetworkModelsTwoPlayer", "PommeTeam-v0",
              "simulations=20,opponents=raw_network/simple_unbiased/raw_network,tree=two_player,"
              "leaves_per_batch=16"},
+        Case{"Gumbel", "PommeFFACompetition-v0", "simulations=20,root=gumbel"},
+        Case{"GumbelTeamTwoPlayer", "PommeTeam-v0",
+             "simulations=20,root=gumbel,tree=two_player,leaves_per_batch=4"},
+        Case{"GumbelNetworkModels", "PommeFFACompetition-v0",
+             "simulations=20,root=gumbel,opponents=raw_network,leaves_per_batch=8"},
+        Case{"ForcedPlayouts", "PommeTeamCompetition-v0", "simulations=20,forced_playouts=2"},
+        Case{"FastSearches", "PommeFFACompetition-v0",
+             "simulations=20,full_search_share=0.5,fast_simulations=20"},
+        Case{"Solver", "PommeFFA-v1", "simulations=20,terminal_solver=true"},
+        Case{"SolverTwoPlayer", "PommeTeam-v0",
+             "simulations=20,terminal_solver=true,tree=two_player,leaves_per_batch=4"},
+        Case{"NetworkThenRules", "PommeRadioCompetition-v2",
+             "simulations=20,raw_network_depth=2,mate_model=raw_network"},
         Case{"OneVersusOne", "OneVsOne-v0", "simulations=20,tree=two_player"}),
     [](const auto& test) { return std::string(test.param.name); });
 

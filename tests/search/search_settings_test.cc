@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
+
 #include "common/base/check.h"
 
 namespace powderkeg {
@@ -51,6 +54,7 @@ TEST(SearchSettings, PresetIsAppliedBeforeOtherOptions) {
   expected.simulations = 50;
   EXPECT_EQ(ParseSearchSettings("simulations=50,preset=paper"), expected);
   EXPECT_EQ(ParseSearchSettings("preset=default"), SearchSettings());
+  EXPECT_EQ(ParseSearchSettings("preset=gumbel"), ParseSearchSettings("root=gumbel"));
 }
 
 TEST(SearchSettings, UnknownOptionListsTheKnownOnes) {
@@ -69,7 +73,16 @@ TEST(SearchSettings, BadValuesSayWhatIsAllowed) {
   EXPECT_THAT(MessageFor("tree_reuse", "yes"), HasSubstr("false or true"));
   EXPECT_THAT(MessageFor("opponents", "idle/idle"), HasSubstr("three separated by '/'"));
   EXPECT_THAT(MessageFor("opponents", "idle/idle/alien"), HasSubstr("simple_unbiased"));
-  EXPECT_THAT(MessageFor("preset", "best"), HasSubstr("default or paper"));
+  EXPECT_THAT(MessageFor("preset", "best"), HasSubstr("default, paper or gumbel"));
+  EXPECT_THAT(MessageFor("root", "uct"), AllOf(HasSubstr("'uct'"), HasSubstr("puct or gumbel")));
+  EXPECT_THAT(MessageFor("gumbel_considered", "7"), HasSubstr("from 1 to 6"));
+  EXPECT_THAT(MessageFor("gumbel_scale", "-1"), HasSubstr("'-1'"));
+  EXPECT_THAT(MessageFor("full_search_share", "1.5"), HasSubstr("from 0 to 1"));
+  EXPECT_THAT(MessageFor("fast_simulations", "0"), HasSubstr("from 1 to"));
+  EXPECT_THAT(MessageFor("forced_playouts", "two"), HasSubstr("a number from 0"));
+  EXPECT_THAT(MessageFor("terminal_solver", "on"), HasSubstr("false or true"));
+  EXPECT_THAT(MessageFor("raw_network_depth", "-1"), HasSubstr("a whole number from 0"));
+  EXPECT_THAT(MessageFor("mate_model", "friend"), HasSubstr("as_opponents, idle"));
   EXPECT_THROW((void)ParseSearchSettings("simulations"), Error);
 }
 
@@ -87,6 +100,23 @@ TEST(SearchSettings, ListsEveryOptionWithItsValue) {
     SetOption(settings, option.name, option.value);
   }
   EXPECT_EQ(settings, PaperSettings());
+}
+
+TEST(SearchSettings, TheMateHasItsOwnModelWhereAsked) {
+  SearchSettings settings = ParseSearchSettings("mate_model=raw_network");
+  EXPECT_EQ(settings.mate_model, OpponentModel::kRawNetwork);
+  EXPECT_EQ(ToText(settings), "mate_model=raw_network");
+  SetOption(settings, "mate_model", "as_opponents");
+  EXPECT_EQ(settings, SearchSettings());
+}
+
+// The message `Search` of the configuration names the same options.
+TEST(SearchSettings, EveryOptionIsAFieldOfTheConfiguration) {
+  std::ifstream file("proto/config.proto");
+  const std::string proto(std::istreambuf_iterator<char>(file), {});
+  for (const SearchOption& option : ListOptions({})) {
+    EXPECT_THAT(proto, HasSubstr(" " + option.name + " = ")) << option.name;
+  }
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 // What the tests of the search share: running one to its end, and models to run it with.
 
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "actors/search/search.h"
 #include "common/model/evaluator.h"
@@ -19,6 +21,22 @@ inline SearchResult Finish(Search& search, Evaluator& evaluator, const GameSetti
     batch.Clear();
   }
   return search.Result();
+}
+
+// Runs all searches with a batch for all of them.
+inline void FinishTogether(std::span<Search> searches) {
+  UniformEvaluator evaluator;
+  EvaluationBatch batch;
+  for (;;) {
+    std::vector<Search*> asking;
+    for (Search& search : searches) {
+      if (search.Gather(batch)) asking.push_back(&search);
+    }
+    if (asking.empty()) return;
+    evaluator.Evaluate({}, batch.positions(), batch.AllocateEvaluations());
+    for (Search* search : asking) search->Scatter(batch);
+    batch.Clear();
+  }
 }
 
 inline OpponentModels ModelsAtStart(const SearchSettings& settings, AgentId self,

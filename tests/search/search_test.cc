@@ -9,92 +9,13 @@
 #include <vector>
 
 #include "common/pommerman/board_text.h"
+#include "tests/search/known_answers.h"
 #include "tests/search/search_support.h"
 
 namespace powderkeg {
 namespace {
 
 using testing::Each;
-
-SearchSettings Quiet(int simulations) {
-  SearchSettings settings;
-  settings.simulations = simulations;
-  settings.noise_weight = 0;
-  settings.opponents.fill(OpponentModel::kIdle);
-  return settings;
-}
-
-// --- Known answers, found by looking at everything that agent 0 can do while the others idle -----
-
-// The best outcome for agent 0 within `depth` steps: +1 win, 0 undecided or tie, -1 death.
-int BestOutcome(const GameSettings& game, const State& state, int depth);
-
-int OutcomeAfter(const GameSettings& game, State state, int action, int depth) {
-  const Outcome outcome = Advance(game, {static_cast<Action>(action)}, state);
-  if (outcome.done) return outcome.rewards[0] > 0 ? 1 : outcome.result == Result::kTie ? 0 : -1;
-  if (!state.agents[0].alive) return -1;
-  return depth == 1 ? 0 : BestOutcome(game, state, depth - 1);
-}
-
-int BestOutcome(const GameSettings& game, const State& state, int depth) {
-  const ActionSet legal = LegalActions(state, 0);
-  int best = -1;
-  for (int action = 0; action < kActionCount && best < 1; ++action) {
-    if ((legal >> action & 1) == 0) continue;
-    best = std::max(best, OutcomeAfter(game, state, action, depth));
-  }
-  return best;
-}
-
-std::vector<Action> BestActions(const GameSettings& game, const State& state, int depth) {
-  const ActionSet legal = LegalActions(state, 0);
-  const int best = BestOutcome(game, state, depth);
-  std::vector<Action> actions;
-  for (int action = 0; action < kActionCount; ++action) {
-    if ((legal >> action & 1) == 0) continue;
-    if (OutcomeAfter(game, state, action, depth) == best) {
-      actions.push_back(static_cast<Action>(action));
-    }
-  }
-  return actions;
-}
-
-// The only way out of the blast leads right, then down.
-constexpr std::string_view kEscape = R"(
-    o.0..######
-    ###.#######
-    ###########
-    ###########
-    ###########
-    ###########
-    ###########
-    ###########
-    ###########
-    ###########
-    #########.1
-    bomb (0,0) owner 1 life 2 strength 6
-)";
-
-// Agent 1 sits in a dead end; agent 0 can lock it in with a bomb and walk away.
-constexpr std::string_view kKill = R"(
-    10.....####
-    ###########
-    ###########
-    ###########
-    ###########
-    ###########
-    ###########
-    ###########
-    ###########
-    ###########
-    ###########
-)";
-
-GameSettings EndsAfter(int steps) {
-  GameSettings game;
-  game.max_steps = steps;
-  return game;
-}
 
 TEST(Search, FindsTheOnlyEscape) {
   const State state = FromText(kEscape);
@@ -256,22 +177,6 @@ TEST(Search, EqualArgumentsGiveEqualResults) {
   const SearchResult first = SearchOnce({}, state);
   EXPECT_EQ(first.visits, SearchOnce({}, state).visits);
   EXPECT_NE(first.visits, SearchOnce({}, state, {}, /*seed=*/2).visits) << "noise differs";
-}
-
-// Runs all searches with a batch for all of them.
-void FinishTogether(std::vector<Search>& searches) {
-  UniformEvaluator evaluator;
-  EvaluationBatch batch;
-  for (;;) {
-    std::vector<Search*> asking;
-    for (Search& search : searches) {
-      if (search.Gather(batch)) asking.push_back(&search);
-    }
-    if (asking.empty()) return;
-    evaluator.Evaluate({}, batch.positions(), batch.AllocateEvaluations());
-    for (Search* search : asking) search->Scatter(batch);
-    batch.Clear();
-  }
 }
 
 TEST(Search, AloneAndInALargeBatchAreTheSame) {

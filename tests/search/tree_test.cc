@@ -114,6 +114,92 @@ TEST(Tree, BackUpAveragesAlongThePath) {
   EXPECT_FLOAT_EQ(tree[child].value[3], 1 / 3.0F);
 }
 
+// Choosing among the visited actions and the next two unvisited by prior, as the predecessor does,
+// is choosing among all.
+TEST(Tree, ChoosesAmongVisitedAndTheNextTwo) {
+  const SearchSettings settings;
+  Rng rng(8);
+  for (int game = 0; game < 200; ++game) {
+    Tree tree = TreeWithRoot(settings, kAll, game % 2 == 0 ? std::int8_t{1} : std::int8_t{-1});
+    std::array<float, kActionCount> policy;
+    for (float& share : policy) share = static_cast<float>(1 + rng.Below(4)) / 24;  // often equal
+    tree.SetEdges(tree[0], kAll, policy);
+    for (int i = 0; i < 30; ++i) {
+      const Action action = tree.Select(tree[0]);
+      const auto& visits = tree[0].visits;
+      int likelier = 0;  // unvisited actions before this one
+      for (std::size_t a = 0; a < kActionCount; ++a) {
+        const auto chosen = static_cast<std::size_t>(action);
+        const bool before =
+            policy[a] > policy[chosen] || (policy[a] == policy[chosen] && a < chosen);
+        if (visits[a] == 0 && before) ++likelier;
+      }
+      ASSERT_TRUE(visits[static_cast<std::size_t>(action)] > 0 || likelier == 0);
+      Simulate(tree, 0, action, static_cast<float>(2 * rng.Uniform() - 1));
+    }
+  }
+}
+
+// Adds a proven end below the root.
+void EndWith(Tree& tree, NodeIndex parent, Action action, std::int8_t proven) {
+  Tree::Visit(tree[parent], action);
+  const NodeIndex child = tree.Add(parent, action);
+  tree[child].side = 1;
+  tree[child].proven = proven;
+  tree.BackUp(child, proven);
+  tree.Prove(child);
+}
+
+TEST(Tree, LostActionsAreClosed) {
+  Tree tree = TreeWithRoot({}, 0b000011);
+  EndWith(tree, 0, Action::kUp, -1);
+  EXPECT_EQ(tree[0].closed, 0b000010);
+  EXPECT_EQ(tree[0].proven, 0);
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_EQ(tree.Select(tree[0]), Action::kStop);
+    Simulate(tree, 0, Action::kStop, -1);
+  }
+  Tree::SetPriors(tree[0], kPolicy);
+  EXPECT_EQ(tree.Select(tree[0]), Action::kStop) << "new priors do not open it";
+  tree.Undo(tree[0].child[1]);
+  EXPECT_EQ(tree.Select(tree[0]), Action::kStop);
+}
+
+TEST(Tree, PositionsAreLostWhereEveryActionIs) {
+  Tree tree = TreeWithRoot({}, kAll);
+  Simulate(tree, 0, Action::kUp, 0);
+  const NodeIndex child = tree[0].child[1];
+  tree.SetEdges(tree[child], 0b000101, kPolicy);
+  EndWith(tree, child, Action::kStop, -1);
+  EXPECT_EQ(tree[0].closed, 0);
+  EndWith(tree, child, Action::kDown, -1);
+  EXPECT_EQ(tree[child].proven, -1);
+  EXPECT_EQ(tree[0].closed, 0b000010);
+  EXPECT_EQ(tree[0].proven, 0);
+}
+
+TEST(Tree, OneWinningActionWins) {
+  Tree tree = TreeWithRoot({}, kAll);
+  Simulate(tree, 0, Action::kUp, 0);
+  EndWith(tree, tree[0].child[1], Action::kBomb, 1);
+  EXPECT_EQ(tree[0].proven, 1);
+  EXPECT_EQ(tree[0].closed, 0);
+  EXPECT_FLOAT_EQ(tree[0].value[1], 1);
+}
+
+TEST(Tree, AnEnemyEscapesWhereItCan) {
+  Tree tree = TreeWithRoot({}, 0b000010);
+  Simulate(tree, 0, Action::kUp, 0);
+  const NodeIndex enemy = tree[0].child[1];
+  tree[enemy].side = -1;
+  tree.SetEdges(tree[enemy], 0b000011, kPolicy);
+  EndWith(tree, enemy, Action::kStop, 1);
+  EXPECT_EQ(tree[enemy].closed, 0b000001) << "the enemy does not step into it";
+  EXPECT_EQ(tree[0].proven, 0);
+  EndWith(tree, enemy, Action::kUp, 1);
+  EXPECT_EQ(tree[0].proven, 1);
+}
+
 TEST(Tree, UndoTakesVisitsBack) {
   Tree tree = TreeWithRoot({}, kAll);
   Simulate(tree, 0, Action::kUp, 0.5F);

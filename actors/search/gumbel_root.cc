@@ -1,0 +1,146 @@
+#include "actors/search/gumbel_root.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <span>
+
+#include "actors/search/portable_math.h"
+
+namespace powderkeg {
+namespace {
+
+using Scores = std::array<double, kActionCount>;
+
+bool Has(ActionSet actions, std::size_t action) { return (actions >> action & 1) != 0; }
+
+double LogPrior(const RootStatistics& root, std::size_t action) {
+  constexpr double kSmallest = 1e-9;
+  return Log(std::max(static_cast<double>(root.priors[action]), kSmallest));
+}
+
+double GumbelNumber(Rng& rng) {
+  const double uniform = std::max(rng.Uniform(), 0x1.0p-54);
+  return -Log(-Log(uniform));
+}
+
+double MixedValue(const RootStatistics& root) {
+  double visits = 0;
+  double priors = 0;
+  double weighted = 0;
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    if (root.visits[a] == 0 || !Has(root.legal, a)) continue;
+    const double prior = std::max(static_cast<double>(root.priors[a]), 1e-9);
+    visits += root.visits[a];
+    priors += prior;
+    weighted += prior * static_cast<double>(root.values[a]);
+  }
+  const auto evaluation = static_cast<double>(root.evaluation);
+  return visits == 0 ? evaluation : (evaluation + visits * weighted / priors) / (1 + visits);
+}
+
+// sigma of the completed values.
+Scores TransformedValues(const RootStatistics& root, double c_visit, double c_scale) {
+  const double most_visits = *std::ranges::max_element(root.visits);
+  const double scale = (c_visit + most_visits) * c_scale;
+  const double mixed = MixedValue(root);
+  Scores transformed;
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    const double value = root.visits[a] > 0 ? static_cast<double>(root.values[a]) : mixed;
+    transformed[a] = scale * (value + 1) / 2;
+  }
+  return transformed;
+}
+
+}  // namespace
+
+std::array<double, kActionCount> ImprovedPolicy(const SearchSettings& settings,
+                                                const RootStatistics& root) {
+  Scores logits = TransformedValues(root, settings.gumbel_c_visit, settings.gumbel_c_scale);
+  double highest = -std::numeric_limits<double>::infinity();
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    logits[a] += LogPrior(root, a);
+    if (Has(root.legal, a)) highest = std::max(highest, logits[a]);
+  }
+  Scores policy{};
+  double total = 0;
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    if (Has(root.legal, a)) total += policy[a] = ExpOfNegative(logits[a] - highest);
+  }
+  for (double& share : policy) share /= total;
+  return policy;
+}
+
+void SequentialHalving::Start(const SearchSettings& settings, const RootStatistics& root,
+                              int simulations, double scale, Rng& rng) {
+  c_visit_ = settings.gumbel_c_visit;
+  c_scale_ = settings.gumbel_c_scale;
+  simulations_ = simulations;
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    urges_[a] = LogPrior(root, a);
+    if (scale > 0) urges_[a] += scale * GumbelNumber(rng);
+  }
+  Consider(root.legal, urges_, std::min(settings.gumbel_considered, std::max(simulations, 1)));
+  phases_ = std::max(1, static_cast<int>(std::bit_width(static_cast<unsigned>(count_ - 1))));
+  BeginPhase();
+}
+
+Action SequentialHalving::Next(const RootStatistics& root) {
+  if ((considered_ & ~root.legal) != 0) {
+    const auto left = static_cast<ActionSet>(considered_ & root.legal);
+    Consider(left != 0 ? left : root.legal, ScoresOf(root), kActionCount);
+    BeginPhase();
+  } else if (phase_is_over()) {
+    Consider(considered_, ScoresOf(root), std::max(2, count_ / 2));
+    BeginPhase();
+  }
+  return static_cast<Action>(order_[static_cast<std::size_t>(next_++ % count_)]);
+}
+
+Action SequentialHalving::Best(const RootStatistics& root) const {
+  const auto left = static_cast<ActionSet>(considered_ & root.legal);
+  ActionSet candidates = left != 0 ? left : root.legal;
+  ActionSet visited = 0;
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    if (Has(candidates, a) && root.visits[a] > 0) visited |= static_cast<ActionSet>(1U << a);
+  }
+  if (visited != 0) candidates = visited;
+  const Scores scores = ScoresOf(root);
+  auto best = static_cast<std::size_t>(std::countr_zero(candidates));
+  for (std::size_t a = best + 1; a < kActionCount; ++a) {
+    if (Has(candidates, a) && scores[a] > scores[best]) best = a;
+  }
+  return static_cast<Action>(best);
+}
+
+SequentialHalving::Scores SequentialHalving::ScoresOf(const RootStatistics& root) const {
+  Scores scores = TransformedValues(root, c_visit_, c_scale_);
+  for (std::size_t a = 0; a < kActionCount; ++a) scores[a] += urges_[a];
+  return scores;
+}
+
+// Keeps the `most` best of the actions; equal ones by number.
+void SequentialHalving::Consider(ActionSet actions, const Scores& scores, int most) {
+  count_ = 0;
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    if (Has(actions, a)) order_[static_cast<std::size_t>(count_++)] = a;
+  }
+  std::ranges::sort(std::span(order_).first(static_cast<std::size_t>(count_)),
+                    [&](std::size_t a, std::size_t b) {
+                      return scores[a] != scores[b] ? scores[a] > scores[b] : a < b;
+                    });
+  count_ = std::min(count_, most);
+  considered_ = 0;
+  for (int i = 0; i < count_; ++i) {
+    considered_ |= static_cast<ActionSet>(1U << order_[static_cast<std::size_t>(i)]);
+  }
+}
+
+// All phases have about as many simulations: simulations / ceil(log2 of the actions considered at
+// first). What is left after the last one goes to the last two actions.
+void SequentialHalving::BeginPhase() {
+  next_ = 0;
+  phase_end_ = count_ * std::max(1, simulations_ / (phases_ * count_));
+}
+
+}  // namespace powderkeg
