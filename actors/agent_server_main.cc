@@ -40,8 +40,8 @@ struct Arguments {
   std::uint64_t seed = 1;
   std::string log_level = "info";
   EvaluatorChoice evaluator{
-      .threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads),
-      .cache_mb = 16};
+      .threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads)
+  };
 };
 
 void AddOptions(CLI::App& app, Arguments& arguments) {
@@ -49,7 +49,8 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       ->required();
   app.add_option("--port", arguments.ports, "one or more (10080)")->check(CLI::Range(1, 65535));
   app.add_option("--host", arguments.host, "address to listen on (127.0.0.1); 0.0.0.0: all");
-  app.add_option("--model", arguments.model, "weights file of agents that name none");
+  app.add_option("--model", arguments.model,
+                 "weights file of agents that name none, or untrained:NETWORK");
   auto* simulations = app.add_option("--simulations", arguments.simulations, "of a search per move")
                           ->check(CLI::PositiveNumber);
   app.add_option("--move-time-ms", arguments.move_time_ms,
@@ -65,7 +66,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
                         arguments.evaluator.threads, "); only with onednn"))
       ->check(CLI::Range(1, 64));
   app.add_option("--cache-mb", arguments.evaluator.cache_mb,
-                 "memory for answers given before (16); 0: none")
+                 StrCat("memory for answers given before (", arguments.evaluator.cache_mb, "); 0: none"))
       ->check(CLI::Range(0, 4096));
   app.add_option("--log-level", arguments.log_level,
                  "debug (also names every move over 100 ms), info, warn or error");
@@ -130,7 +131,7 @@ Seat Serve(const AgentDescription& agent, int port, const Arguments& arguments) 
   // For as many questions about models as about leaves.
   if (timed) choice.largest_batch = 2 * agent.search.leaves_per_batch;
   const Model model = MakeModel(agent.model_file, [&](const std::string& file) -> Model {
-    const Snapshot snapshot = LoadSnapshot(file);
+    const Snapshot snapshot = LoadModel(file);
     return {MakeEvaluator(choice, snapshot), snapshot->version};
   });
   Seat seat;

@@ -31,6 +31,7 @@ constexpr const char* kExamples = R"(Examples:
   arena --agent "search:model=FILE,tree=two_player,simulations=1000,opponents=simple_unbiased"
   arena --agent raw:model=OLD --agent raw:model=NEW --sprt score_difference=0..0.05 --games 5000
   arena --agent search --sprt win_rate=0.5..0.6   # stops when it is clear which of the two it is
+  arena --agent raw:model=untrained:small          # fresh weights
   arena --agent search --opponents simple_unbiased search:model=FILE idle
   arena --agent search --mate simple_unbiased --environment PommeTeamCompetition-v0
   arena --agent search:simulations=50 --agent search:simulations=200 --table strength.csv
@@ -164,7 +165,7 @@ Lineup LineupOf(const std::string& agent, const Arguments& arguments, Mode mode)
 
 ModelLoader LoaderOf(const EvaluatorChoice& choice) {
   return [choice](const std::string& file) -> Model {
-    const Snapshot snapshot = LoadSnapshot(file);
+    const Snapshot snapshot = LoadModel(file);
     return {MakeEvaluator(choice, snapshot), snapshot->version};
   };
 }

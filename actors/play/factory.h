@@ -29,7 +29,7 @@ struct AgentDescription {
 //   idle, random, harmless, simple_unbiased, official_simple   a rule-based policy
 //   raw:model=FILE                                             the network's best move
 //   search[:OPTION=VALUE,...][,model=FILE]                     a search (search_settings.h)
-// Throws Error with what is wrong and what is known.
+// FILE is a weights file or untrained:NETWORK. Throws Error with what is wrong and what is known.
 [[nodiscard]] AgentDescription ParseAgent(std::string_view text);
 // What ParseAgent reads, separated by ", ": for error messages and --help.
 [[nodiscard]] std::string KnownAgents();
