@@ -186,6 +186,22 @@ TEST_F(ArenaProgram, PlaysComparesAndWritesEverything) {
   EXPECT_THAT(TextOf("g.csv"), StartsWith("agent,game,"));
 }
 
+TEST_F(ArenaProgram, WritesATableThatCanBeDrawn) {
+  if (RunCommand("gnuplot --version 2>&1").status != 0) GTEST_SKIP() << "gnuplot is not installed";
+  const std::string table = PathOf("table.csv");
+  const Finished arena = RunCommand(
+      Arena("--agent search:simulations=2 --agent search:simulations=4 --agent random --games 2 "
+            "--table " +
+            table + " 2>&1"));
+  ASSERT_EQ(arena.status, 0) << arena.output;
+  const Finished plot = RunCommand("deploy/plot-arena " + table + " 2>&1");
+  EXPECT_EQ(plot.status, 0) << plot.output;
+  for (const char* name : {"table-win-rate.svg", "table-actions.svg", "table-board.svg"}) {
+    EXPECT_THAT(TextOf(name), AllOf(HasSubstr("<svg"), HasSubstr("</svg>"))) << name;
+  }
+  EXPECT_NE(RunCommand("deploy/plot-arena README.md 2>&1").status, 0);
+}
+
 TEST_F(ArenaProgram, PlaysWithAMateOfAnotherKind) {
   const Finished run = RunCommand(
       Arena("--agent random --mate simple_unbiased --opponents idle --games 2 --environment "

@@ -91,6 +91,15 @@ TEST(StepWatcher, SeesTheKickOfABombThatExplodesInTheSameStep) {
   EXPECT_EQ(events.killers[1], Set({2}));
 }
 
+// What lies in flames stands in no bomb's way, and they set it off.
+TEST(StepWatcher, SeesAKickIntoFlamesThatHideAnItem) {
+  const State state =
+      Row("0o*.......1", "agent 0 kick\nbomb (0,1) owner 2\nflame (0,2) life 2\nhidden (0,2) r\n");
+  const StepEvents events = Play(state, {{Action::kRight, kStop, kStop, kStop}});
+  EXPECT_EQ(events.kicked, Set({0}));
+  EXPECT_EQ(events.killers[0], Set({2}));
+}
+
 TEST(StepWatcher, GivesADeathToTheOwnerOfTheBlast) {
   const State state = Row("0.o.1......", "bomb (0,2) owner 2 life 1 strength 3\n");
   const StepEvents events = Play(state, {kRest});
