@@ -40,8 +40,8 @@ struct Arguments {
   std::uint64_t seed = 1;
   std::string log_level = "info";
   EvaluatorChoice evaluator{
-      .threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads)
-  };
+      .threads =
+          std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads)};
 };
 
 void AddOptions(CLI::App& app, Arguments& arguments) {
@@ -65,8 +65,9 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
                  StrCat("processors that answer the questions of a search, each part of them (",
                         arguments.evaluator.threads, "); only with onednn"))
       ->check(CLI::Range(1, 64));
-  app.add_option("--cache-mb", arguments.evaluator.cache_mb,
-                 StrCat("memory for answers given before (", arguments.evaluator.cache_mb, "); 0: none"))
+  app.add_option(
+         "--cache-mb", arguments.evaluator.cache_mb,
+         StrCat("memory for answers given before (", arguments.evaluator.cache_mb, "); 0: none"))
       ->check(CLI::Range(0, 4096));
   app.add_option("--log-level", arguments.log_level,
                  "debug (also names every move over 100 ms), info, warn or error");

@@ -18,6 +18,7 @@
 #include "tests/bench/bench_wire.h"
 #include "tests/bench/figure.h"
 #ifdef POWDERKEG_HAS_ONEDNN
+#include "tests/bench/bench_clock.h"
 #include "tests/bench/bench_model.h"
 #endif
 
@@ -43,6 +44,7 @@ std::vector<Suite> Suites() {
       {"search", "simulations, their parts, and the signature of the search", BenchSearch},
 #ifdef POWDERKEG_HAS_ONEDNN
       {"model", "planes and network evaluations", BenchModel},
+      {"clock", "one search under a clock, on one core and on two", BenchClock},
 #endif
   };
 }

@@ -21,6 +21,20 @@ microseconds Between(AgentService::Clock::time_point from, AgentService::Clock::
   return std::chrono::duration_cast<microseconds>(to - from);
 }
 
+// Far away, but short of what a time point can hold.
+constexpr AgentService::Clock::time_point kNever{std::chrono::hours(24 * 365 * 100)};
+
+// Of the environment that is most likely played in this mode.
+GameSettings UsualSettings(Mode mode) {
+  switch (mode) {
+    case Mode::kFreeForAll: return GameSettingsFor("PommeFFACompetition-v0").value();
+    case Mode::kTeam: return GameSettingsFor("PommeTeamCompetition-v0").value();
+    case Mode::kTeamRadio: return GameSettingsFor("PommeRadioCompetition-v2").value();
+    case Mode::kOneVsOne: return GameSettingsFor("OneVsOne-v0").value();
+  }
+  return {};
+}
+
 ServiceReply Success() { return {.body = Json{{"success", true}}.dump()}; }
 
 ServiceReply Played(Mode mode, const Observation& observation, Action action) {
@@ -41,15 +55,22 @@ AgentService::AgentService(std::unique_ptr<Agent> agent, std::shared_ptr<Evaluat
 void AgentService::WarmUp() {
   constexpr int kMoves = 4;
   const std::lock_guard lock(mutex_);
-  const GameSettings settings;
+  Rehearse({}, kMoves, settings_.move_time);
+}
+
+void AgentService::Rehearse(const GameSettings& settings, int moves, Clock::duration time) {
+  const ServiceStatistics counted = statistics_;
   State state = GenerateStart(settings, {}, Rng(settings_.seed));
   agent_->StartGame(settings, /*self=*/0, Rng(settings_.seed));
-  for (int move = 0; move < kMoves && state.agents[0].alive; ++move) {
+  for (int move = 0; move < moves && state.agents[0].alive; ++move) {
     agent_->Begin(powderkeg::Observe(settings, state, 0));
-    const Action action = Think(settings, Clock::now());
-    Step(settings, {action}, state);
+    const Action action = Think(settings, Clock::now() + time);
+    // The others do what the agent expects: so its tree is reused.
+    JointAction actions = agent_->move_statistics().prediction;
+    actions[0] = action;
+    Step(settings, actions, state);
   }
-  statistics_ = {};
+  statistics_ = counted;
 }
 
 ServiceReply AgentService::Ping() const { return Success(); }
@@ -60,6 +81,9 @@ ServiceReply AgentService::InitAgent(std::string_view body) {
   if (const auto* refusal = std::get_if<Refusal>(&parsed)) return Refused(400, refusal->reason);
   init_ = std::get<InitRequest>(parsed);
   game_.reset();
+  if (settings_.move_time.count() > 0) {
+    Rehearse(UsualSettings(init_->mode), /*moves=*/2, std::chrono::milliseconds(20));
+  }
   log::Info("agent initialised", "id", init_->id, "game_type", static_cast<int>(init_->mode));
   return Success();
 }
@@ -75,7 +99,8 @@ ServiceReply AgentService::Act(std::string_view body, Clock::time_point arrival)
   }
   Observe(request);
   const Clock::time_point began = Clock::now();
-  const Action action = Think(request.settings, arrival);
+  const bool timed = settings_.move_time.count() > 0;
+  const Action action = Think(request.settings, timed ? arrival + settings_.move_time : kNever);
   Count({.read = Between(arrival, understood),
          .observe = Between(understood, began),
          .think = Between(began, Clock::now())});
@@ -155,8 +180,7 @@ void AgentService::ListenToMate(const Observation& observation) {
   if (const auto cell = mate.cell()) agent_->HearMate(*cell);
 }
 
-Action AgentService::Think(const GameSettings& settings, Clock::time_point arrival) {
-  const bool timed = settings_.move_time.count() > 0;
+Action AgentService::Think(const GameSettings& settings, Clock::time_point deadline) {
   Clock::duration longest_round{0};
   Clock::time_point now = Clock::now();
   while (agent_->Gather(batch_)) {
@@ -166,7 +190,7 @@ Action AgentService::Think(const GameSettings& settings, Clock::time_point arriv
     batch_.Clear();
     const Clock::time_point before = std::exchange(now, Clock::now());
     longest_round = std::max(longest_round, now - before);
-    if (timed && now + longest_round > arrival + settings_.move_time) break;
+    if (now + longest_round > deadline) break;
   }
   return agent_->action();
 }

@@ -69,7 +69,8 @@ class AgentService {
                const ServiceSettings& settings);
 
   // Lets the agent make a few moves that nobody asked for, so that memory and code are in place
-  // when the first game begins. To be called before the first request.
+  // when the first game begins. To be called before the first request. (Under a clock InitAgent
+  // does so for its kind of game too, in 40 ms; the runner waits 500.)
   void WarmUp();
 
   // Does not wait for a request that is being served.
@@ -101,8 +102,10 @@ class AgentService {
   void Observe(const ActionRequest& request);
   // Takes in what the mate says (radio games) and tells the agent where it must be.
   void ListenToMate(const Observation& observation);
-  // Lets the agent think until it is done or the time is up.
-  [[nodiscard]] Action Think(const GameSettings& settings, Clock::time_point arrival);
+  // Plays `moves` moves of a game with itself, `time` each at most.
+  void Rehearse(const GameSettings& settings, int moves, Clock::duration time);
+  // Lets the agent think until it is done or no other round would end before the deadline.
+  [[nodiscard]] Action Think(const GameSettings& settings, Clock::time_point deadline);
   void Count(const MoveTimes& times);
 
   const ServiceSettings settings_;

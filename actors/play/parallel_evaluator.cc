@@ -69,7 +69,7 @@ void ParallelEvaluator::Evaluate(const GameSettings& settings, std::span<const P
 }
 
 std::string ParallelEvaluator::name() const {
-  return StrCat(evaluators_.front()->name(), ", ", evaluators_.size(), " threads");
+  return StrCat(evaluators_.size(), " x ", evaluators_.front()->name());
 }
 
 void ParallelEvaluator::TakeParts(Evaluator& evaluator) {

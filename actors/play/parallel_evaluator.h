@@ -29,7 +29,7 @@ class ParallelEvaluator final : public Evaluator {
 
   void Evaluate(const GameSettings& settings, std::span<const Position> positions,
                 std::span<Evaluation> evaluations) override;
-  // "onednn bf16, 2 threads"
+  // "2 x onednn bf16"
   [[nodiscard]] std::string name() const override;
 
  private:

@@ -68,7 +68,7 @@ EvaluationCache::EvaluationCache(std::unique_ptr<Evaluator> evaluator, std::size
   entries_.resize(std::bit_floor(buckets) * kWays);
 }
 
-std::string EvaluationCache::name() const { return evaluator_->name() + " cached"; }
+std::string EvaluationCache::name() const { return "cached " + evaluator_->name(); }
 
 void EvaluationCache::Replace(std::unique_ptr<Evaluator> evaluator) {
   evaluator_ = std::move(evaluator);

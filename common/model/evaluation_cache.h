@@ -35,7 +35,7 @@ class EvaluationCache final : public Evaluator {
 
   void Evaluate(const GameSettings& settings, std::span<const Position> positions,
                 std::span<Evaluation> evaluations) override;
-  // "onednn bf16 cached"
+  // "cached onednn bf16"
   [[nodiscard]] std::string name() const override;
 
   // Takes another evaluator, as after new weights, and forgets all answers.

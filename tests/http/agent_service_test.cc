@@ -126,7 +126,7 @@ TEST_F(AgentServiceTest, AnswersInTimeWithWhatItHas) {
   const auto start = AgentService::Clock::now();
   EXPECT_EQ(service->Act(Body(0, 0)).status, 200);
   EXPECT_LT(AgentService::Clock::now() - start, milliseconds(2000));
-  EXPECT_GT(diary_.rounds, 1);
+  EXPECT_GT(service->statistics().evaluations, 1U);
 }
 
 TEST_F(AgentServiceTest, ALateRequestStillGetsOneEvaluation) {
@@ -135,7 +135,7 @@ TEST_F(AgentServiceTest, ALateRequestStillGetsOneEvaluation) {
   (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
   const auto arrival = AgentService::Clock::now() - std::chrono::seconds(1);
   EXPECT_EQ(service->Act(Body(0, 0), arrival).status, 200);
-  EXPECT_EQ(diary_.rounds, 1);
+  EXPECT_EQ(service->statistics().evaluations, 1U);
 }
 
 TEST_F(AgentServiceTest, WarmingUpPlaysAFewMovesThatDoNotCount) {
@@ -148,6 +148,16 @@ TEST_F(AgentServiceTest, WarmingUpPlaysAFewMovesThatDoNotCount) {
   (void)service->InitAgent(InitBody(2, Mode::kFreeForAll));
   EXPECT_EQ(service->Act(Body(2, 4)).status, 200);
   EXPECT_THAT(diary_.games, ElementsAre(0, 2)) << "the first move of a real game starts anew";
+}
+
+TEST_F(AgentServiceTest, UnderAClockTheFirstGameOfAModeIsRehearsed) {
+  const auto service =
+      Serve(std::numeric_limits<int>::max(), {.move_time = milliseconds(1), .seed = 1});
+  (void)service->InitAgent(InitBody(3, Mode::kTeamRadio));
+  EXPECT_EQ(diary_.settings, GameSettingsFor("PommeRadioCompetition-v2"));
+  EXPECT_THAT(diary_.games, ElementsAre(0));
+  EXPECT_EQ(service->statistics().games, 0U);
+  EXPECT_EQ(service->statistics().evaluations, 0U);
 }
 
 TEST_F(AgentServiceTest, CountsWhereTheTimeWent) {

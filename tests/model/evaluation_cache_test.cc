@@ -101,7 +101,7 @@ TEST_F(EvaluationCacheTest, FullCacheForgetsButNeverErrs) {
 }
 
 TEST_F(EvaluationCacheTest, NameTellsTheInnerEvaluator) {
-  EXPECT_EQ(cache_.name(), "counting cached");
+  EXPECT_EQ(cache_.name(), "cached counting");
 }
 
 TEST(PositionKey, EveryFieldCounts) {

@@ -114,7 +114,7 @@ TEST_F(ParallelEvaluatorTest, EndsWithoutAnyWork) {
 }
 
 TEST_F(ParallelEvaluatorTest, NameTellsTheThreads) {
-  EXPECT_EQ(ParallelEvaluator(Evaluators(2)).name(), "step, 2 threads");
+  EXPECT_EQ(ParallelEvaluator(Evaluators(2)).name(), "2 x step");
 }
 
 }  // namespace
