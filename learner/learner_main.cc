@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -101,7 +102,7 @@ class Display {
 
   void ShowStatus(const LiveStatus& status) {
     const auto now = LiveLine::Clock::now();
-    const std::string line = live_.Next(status, now);
+    const std::string line = live_.Next(status, now, Width());
     if (terminal_) {
       std::cout << "\r\033[K" << line << std::flush;
     } else if (now - last_plain_ >= std::chrono::seconds(15)) {
@@ -114,8 +115,8 @@ class Display {
 
   void ShowIteration(const IterationReport& report) {
     Clear();
-    if (lines_++ % 20 == 0) std::cout << TableHeader() << '\n';
-    std::cout << TableLine(report) << std::endl;
+    if (lines_++ % 20 == 0) std::cout << FitTable(TableHeader(), Width()) << '\n';
+    std::cout << FitTable(TableLine(report), Width()) << std::endl;
   }
 
   void Clear() {
@@ -123,6 +124,15 @@ class Display {
   }
 
  private:
+  // Characters that fit into a line of the terminal, which may change, without a wrap.
+  [[nodiscard]] std::size_t Width() const {
+    winsize size{};
+    if (!terminal_ || ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col < 2) {
+      return std::string::npos;
+    }
+    return size.ws_col - std::size_t{1};
+  }
+
   const bool terminal_;
   LiveLine live_;
   LiveLine::Clock::time_point last_plain_;
@@ -177,7 +187,8 @@ class Learner {
     log::Info("listening", "endpoint", server_->endpoint(), "keys", keys ? "yes" : "no");
     Display::ShowLine(StrCat(options.run_dir.string(), ": ", loop_.progress().iteration, " of ",
                              config_.training.iterations, " iterations done, ", known.size(),
-                             " games stored; actors connect to ", server_->endpoint()));
+                             " games stored"));
+    Display::ShowLine(StrCat("actors connect to ", server_->endpoint()));
   }
 
   // Returns when every iteration is done or a signal came. Throws Error.

@@ -98,7 +98,7 @@ std::string RowsToKeep(const std::filesystem::path& path, int next_iteration) {
 
 std::string TableHeader() {
   return "iter  games  decisions  win %               tie %               loss %              "
-         "steps  stop/up/down/left/right/bomb %  loss   policy value  agree  lag  samples/s  "
+         "steps  stop/up/down/left/right/bomb  loss   policy value  agree  lag  samples/s  "
          "wait s  train s";
 }
 
@@ -113,10 +113,21 @@ std::string TableLine(const IterationReport& report) {
                 static_cast<unsigned long long>(report.games),
                 static_cast<unsigned long long>(report.decisions)) +
          Percentage(wins, results) + "  " + Percentage(ties, results) + "  " +
-         Percentage(losses, results) + Format("  %5.1f  %-30s", report.mean_steps, shares.c_str()) +
+         Percentage(losses, results) + Format("  %5.1f  %-28s", report.mean_steps, shares.c_str()) +
          Format("  %.3f  %.3f  %.3f  %5.3f  %3.1f  %9.0f  %6.0f  %7.0f", report.total_loss,
                 report.policy_loss, report.value_loss, report.policy_accuracy, report.weights_lag,
                 report.samples_per_s, report.waited_s, report.trained_s);
+}
+
+std::string FitTable(const std::string& line, std::size_t width) {
+  if (line.size() <= width) return line;
+  const std::string header = TableHeader();
+  std::size_t end = 0;  // of the last column that fits
+  for (std::size_t i = 2; i < header.size() && i <= width + 2; ++i) {
+    if (header[i] != ' ' && header[i - 1] == ' ' && header[i - 2] == ' ') end = i - 2;
+  }
+  const std::string fitted = line.substr(0, end);
+  return fitted.substr(0, fitted.find_last_not_of(' ') + 1);
 }
 
 std::string IterationCsv::Header() { return Joined(IterationReport{}, &Column::name); }

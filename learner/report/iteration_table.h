@@ -36,6 +36,8 @@ struct IterationReport {
 // in percent with 95 % Wilson intervals.
 [[nodiscard]] std::string TableHeader();
 [[nodiscard]] std::string TableLine(const IterationReport& report);
+// A header or line without the last columns, as many as it takes to be at most `width` characters.
+[[nodiscard]] std::string FitTable(const std::string& line, std::size_t width);
 
 // The file iterations.csv of a run: a header, then one row per iteration, whole once Append
 // returned. One owner.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
+#include <vector>
 
 namespace powderkeg {
 namespace {
@@ -32,6 +34,10 @@ std::string Short(double number) {
   return text;
 }
 
+double Share(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
 std::string Bar(double share) {
   const int full = static_cast<int>(std::lround(std::clamp(share, 0.0, 1.0) * kBarWidth));
   return "[" + std::string(static_cast<std::size_t>(full), '#') +
@@ -45,8 +51,9 @@ std::string TimeLeft(double amount, double per_s) {
   return ", " + std::to_string(seconds / 60) + " min left";
 }
 
-double Share(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+std::string BarOf(const LiveStatus& status) {
+  return Bar(status.samples_wanted > 0 ? Share(status.samples, status.samples_wanted)
+                                       : Share(status.decisions, status.decisions_wanted));
 }
 
 }  // namespace
@@ -60,34 +67,44 @@ std::string Grouped(std::uint64_t number) {
   return text;
 }
 
-std::string LiveLine::Next(const LiveStatus& status, Clock::time_point now) {
+std::string LiveLine::Next(const LiveStatus& status, Clock::time_point now, std::size_t width) {
   Measure(status, now);
-  std::string line =
+  const std::string head =
       "iteration " + std::to_string(status.iteration) + "/" + std::to_string(status.iterations);
-  if (status.samples_wanted > 0) {
-    line += " " + Bar(Share(status.samples, status.samples_wanted)) + " training " +
-            Grouped(status.samples) + " of " + Grouped(status.samples_wanted) + " samples, " +
-            Short(samples_per_s_) + "/s" +
-            TimeLeft(static_cast<double>(status.samples_wanted - status.samples), samples_per_s_);
-  } else if (status.decisions >= status.decisions_wanted) {
-    line += " has its games";
-  } else {
-    line += " " + Bar(Share(status.decisions, status.decisions_wanted)) + " have " +
-            Grouped(status.decisions) + " of " + Grouped(status.decisions_wanted) + " decisions";
-    const bool enough_behind =
-        status.decisions + status.decisions_beyond >= status.decisions_wanted;
-    if (status.straggler && enough_behind) {
-      line += ", waiting for game " + std::to_string(*status.straggler);
-    } else {
-      line += TimeLeft(
-          static_cast<double>(status.decisions_wanted - status.decisions - status.decisions_beyond),
-          decisions_per_s_);
-    }
+  const std::string activity = Activity(status);
+  std::string line = head + " " + BarOf(status) + activity;
+  if (line.size() > width) line = head + activity;
+  std::vector<std::string> items = {std::to_string(status.actors) +
+                                    (status.actors == 1 ? " actor" : " actors")};
+  if (decisions_per_s_ > 0) items.push_back(Short(decisions_per_s_) + " decisions/s");
+  if (games_per_s_ > 0) items.push_back(Short(games_per_s_) + " games/s");
+  if (evaluations_per_s_ > 0) items.push_back(Short(evaluations_per_s_) + " evaluations/s");
+  if (mean_batch_ > 0) items.push_back("batch " + Short(mean_batch_));
+  std::string separator = " | ";
+  for (const std::string& item : items) {
+    if (line.size() + separator.size() + item.size() > width) break;
+    line += std::exchange(separator, ", ") + item;
   }
-  return line + " | " + Short(games_per_s_) + " games/s, " + Short(decisions_per_s_) +
-         " decisions/s, " + Short(evaluations_per_s_) + " evaluations/s, batch " +
-         Short(mean_batch_) + " | " + std::to_string(status.actors) +
-         (status.actors == 1 ? " actor" : " actors");
+  return line.substr(0, width);
+}
+
+// What it waits for or does, with a space before it.
+std::string LiveLine::Activity(const LiveStatus& status) const {
+  if (status.samples_wanted > 0) {
+    return " training " + Grouped(status.samples) + " of " + Grouped(status.samples_wanted) +
+           " samples, " + Short(samples_per_s_) + "/s" +
+           TimeLeft(static_cast<double>(status.samples_wanted - status.samples), samples_per_s_);
+  }
+  if (status.decisions >= status.decisions_wanted) return " has its games";
+  const std::string have = " have " + Grouped(status.decisions) + " of " +
+                           Grouped(status.decisions_wanted) + " decisions";
+  const std::uint64_t finished = status.decisions + status.decisions_beyond;
+  if (status.straggler && finished >= status.decisions_wanted) {
+    return have + ", waiting for game " + std::to_string(*status.straggler);
+  }
+  return have +
+         TimeLeft(static_cast<double>(status.decisions_wanted) - static_cast<double>(finished),
+                  decisions_per_s_);
 }
 
 void LiveLine::Measure(const LiveStatus& status, Clock::time_point now) {

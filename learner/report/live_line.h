@@ -37,9 +37,12 @@ class LiveLine {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // The line without its end, for instance:
-  //   iteration 3/40 [######......] 12,412 of 25,000 decisions, 33 s left | 5.2 games/s  ...
-  [[nodiscard]] std::string Next(const LiveStatus& status, Clock::time_point now);
+  // The line without its end, at most `width` characters: what does not fit is left out, the least
+  // important first. For instance:
+  //   iteration 3/40 [######......] have 12,412 of 25,000 decisions, 33 s left | 480 decisions/s,
+  //   ...
+  [[nodiscard]] std::string Next(const LiveStatus& status, Clock::time_point now,
+                                 std::size_t width = std::string::npos);
 
  private:
   struct Moment {
@@ -47,6 +50,7 @@ class LiveLine {
     LiveTotals totals;
     std::uint64_t samples = 0;
   };
+  [[nodiscard]] std::string Activity(const LiveStatus& status) const;
   void Measure(const LiveStatus& status, Clock::time_point now);
 
   std::optional<Moment> last_;

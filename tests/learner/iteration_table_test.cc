@@ -59,6 +59,19 @@ TEST(IterationTable, LineSaysSharesWithWilsonIntervals) {
   EXPECT_THAT(TableLine(perfect), testing::HasSubstr("100.0 [83.9-100.0]"));
 }
 
+TEST(IterationTable, NarrowTerminalsGetWholeColumns) {
+  const std::string line = TableLine(ReportOf(7));
+  EXPECT_EQ(FitTable(line, line.size()), line);
+  EXPECT_EQ(FitTable(TableHeader(), 79), "iter  games  decisions  win %               tie %");
+  EXPECT_EQ(FitTable(line, 79), line.substr(0, 62)) << line;
+  EXPECT_TRUE(FitTable(TableHeader(), 119).ends_with("  stop/up/down/left/right/bomb"));
+  EXPECT_TRUE(FitTable(line, 119).ends_with("31/14/15/16/14/10"));
+  for (std::size_t width = 0; width < 200; ++width) {
+    ASSERT_LE(FitTable(line, width).size(), width);
+    ASSERT_LE(FitTable(TableHeader(), width).size(), width);
+  }
+}
+
 TEST(IterationCsv, HeaderAndRowsHaveAsManyColumns) {
   const std::string header = IterationCsv::Header();
   const std::string row = IterationCsv::Row(ReportOf(3));

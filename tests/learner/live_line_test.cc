@@ -39,8 +39,29 @@ TEST(LiveLine, SaysWhatItWaitsForAndHowLongStill) {
   const std::string line = live.Next(Waiting(20'000), kStart + seconds(10));
   EXPECT_THAT(line, HasSubstr("iteration 3/40 [###"));
   EXPECT_THAT(line, HasSubstr("have 20,000 of 100,000 decisions, 40 s left"));
-  EXPECT_THAT(line, HasSubstr("10.0 games/s, 2000 decisions/s, 100.0 k evaluations/s, batch 25.0"));
+  EXPECT_THAT(line, HasSubstr("2000 decisions/s, 10.0 games/s, 100.0 k evaluations/s, batch 25.0"));
   EXPECT_THAT(line, HasSubstr("2 actors"));
+}
+
+TEST(LiveLine, LeavesOutWhatDoesNotFit) {
+  const auto line = [](std::size_t width) {
+    LiveLine live;
+    (void)live.Next(Waiting(0), kStart);
+    return live.Next(Waiting(20'000), kStart + seconds(10), width);
+  };
+  EXPECT_EQ(line(79),
+            "iteration 3/40 [###.............] have 20,000 of 100,000 decisions, 40 s left");
+  EXPECT_EQ(line(119),
+            "iteration 3/40 [###.............] have 20,000 of 100,000 decisions, 40 s left | "
+            "2 actors, 2000 decisions/s");
+  EXPECT_EQ(line(70), "iteration 3/40 have 20,000 of 100,000 decisions, 40 s left | 2 actors");
+  EXPECT_EQ(line(14), "iteration 3/40");
+  for (std::size_t width = 0; width < 200; ++width) ASSERT_LE(line(width).size(), width);
+}
+
+TEST(LiveLine, SaysNoRateThatItDoesNotKnow) {
+  EXPECT_EQ(LiveLine().Next(Waiting(0), kStart),
+            "iteration 3/40 [................] have 0 of 100,000 decisions | 2 actors");
 }
 
 TEST(LiveLine, NamesTheStragglerOnceTheRestIsThere) {
