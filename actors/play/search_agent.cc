@@ -58,7 +58,7 @@ std::optional<Decision> SearchAgent::decision() const {
   Decision decision;
   decision.step = belief_->state().step;
   decision.agent = static_cast<std::uint8_t>(belief_->self());
-  decision.visits = RecordedVisits(result().visits);
+  if (result().full_search) decision.visits = RecordedVisits(result().target);
   decision.value = result().value;
   return decision;
 }

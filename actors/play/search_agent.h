@@ -43,7 +43,7 @@ class SearchAgent final : public Agent {
   mutable std::optional<SearchResult> result_;  // of the last move, computed when asked for
 };
 
-// Visit counts as a Decision holds them: as they are, or scaled so that the largest is 65,535.
+// Counts as a Decision holds them: as they are, or scaled so that the largest is 65,535.
 [[nodiscard]] std::array<std::uint16_t, kActionCount> RecordedVisits(
     const std::array<std::uint32_t, kActionCount>& visits);
 

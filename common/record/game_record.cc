@@ -175,9 +175,6 @@ Refusal Replay::CheckDecision(const Decision& decision) const {
     return StrCat("decision of agent ", agent, ", which does not search");
   }
   if (!state_.agents[agent].alive) return StrCat("decision of agent ", agent, ", which is dead");
-  if (decision.visits == decltype(decision.visits){}) {
-    return StrCat("decision of agent ", agent, ": no visits");
-  }
   if (decision.value >= -1 && decision.value <= 1) return std::nullopt;
   return StrCat("decision of agent ", agent, ": value ", decision.value, ", expected -1 to 1");
 }

@@ -43,7 +43,8 @@ struct GameSetup {
 struct Decision {
   std::uint16_t step = 0;  // steps played before it
   std::uint8_t agent = 0;
-  // The policy target of the search as visit counts (or scaled to 65,535); not all 0.
+  // The policy to learn as counts of at most 65,535 (visits, as a rule). All 0: there is none, as
+  // the search was too short to learn from; the decision is a sample of the value alone.
   std::array<std::uint16_t, kActionCount> visits{};
   float value = 0;                    // of the root, the agent's view, -1 to +1
   std::uint32_t weights_version = 0;  // that answered; 0 for the uniform evaluator

@@ -92,7 +92,8 @@ void ForEachColumn(Columns& columns, Visit&& visit) {
   visit("decisions/game", decisions.game, "row of games/");
   visit("decisions/step", decisions.step, "steps played before the decision");
   visit("decisions/agent", decisions.agent, "0..3");
-  visit("decisions/visits", decisions.visits, "policy target of the search by action, not scaled");
+  visit("decisions/visits", decisions.visits,
+        "policy target of the search by action, not scaled; all 0: none");
   visit("decisions/value", decisions.value, "of the root, the agent's view, -1 to +1");
   visit("decisions/weights_version", decisions.weights_version, "that answered");
 }

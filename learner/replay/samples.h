@@ -15,7 +15,7 @@ namespace powderkeg {
 // One decision as a training example. Planes are encoded when a batch is built.
 struct Sample {
   State state;                                     // without hidden items
-  std::array<std::uint16_t, kActionCount> visits;  // policy target, not all 0
+  std::array<std::uint16_t, kActionCount> visits;  // policy target; all 0: none
   std::uint8_t viewer;                             // the agent that decided
   std::int8_t outcome;                             // +1 win, 0 tie, -1 loss of the viewer
   float search_value;                              // of the search's root, the viewer's view

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "common/base/check.h"
 #include "common/model/planes.h"
 #include "common/pommerman/observation.h"
 #include "common/pommerman/symmetry.h"
@@ -22,8 +21,8 @@ void EncodeState(const GameSettings& settings, const State& state, AgentId viewe
 std::array<float, kActionCount> PolicyTarget(const std::array<std::uint16_t, kActionCount>& visits,
                                              double argmax_weight) {
   const double total = std::accumulate(visits.begin(), visits.end(), 0.0);
-  CHECK(total > 0);
-  std::array<float, kActionCount> target;
+  std::array<float, kActionCount> target{};
+  if (total == 0) return target;
   std::ranges::transform(visits, target.begin(), [&](std::uint16_t count) {
     return static_cast<float>((1 - argmax_weight) * count / total);
   });

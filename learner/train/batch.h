@@ -16,7 +16,7 @@ namespace powderkeg {
 struct TrainingBatch {
   std::size_t size = 0;
   std::vector<float> planes;    // [size, 23, 11, 11]
-  std::vector<float> policies;  // [size, 6], each row a distribution
+  std::vector<float> policies;  // [size, 6], each row a distribution or, without a target, all 0
   std::vector<float> values;    // [size], -1 to +1, the viewer's view
 };
 
@@ -28,7 +28,8 @@ struct TargetSettings {
 };
 
 // pi' = (1 - weight) pi + weight onehot(argmax pi), where pi is the visits' distribution; the
-// smallest of equal actions counts as the largest. Requires visits that are not all 0.
+// smallest of equal actions counts as the largest. All 0 if the visits are: such a sample has no
+// policy to learn and adds 0 to that part of the loss.
 [[nodiscard]] std::array<float, kActionCount> PolicyTarget(
     const std::array<std::uint16_t, kActionCount>& visits, double argmax_weight);
 

@@ -119,13 +119,15 @@ torch::Tensor FromArray(const std::vector<NamedArray>& arrays, const std::string
 struct Losses {
   torch::Tensor policy;
   torch::Tensor value;
-  torch::Tensor agreements;
+  torch::Tensor agreements;  // of samples that have a policy target
+  torch::Tensor policies;    // such samples
 
   explicit Losses(torch::Device device) {
     const auto options = torch::TensorOptions().dtype(torch::kFloat64).device(device);
     policy = torch::zeros({}, options);
     value = torch::zeros({}, options);
     agreements = torch::zeros({}, options);
+    policies = torch::zeros({}, options);
   }
 };
 
@@ -232,7 +234,9 @@ struct Trainer::Implementation {
     optimizer.step();
     losses.policy += policy_loss.detach();
     losses.value += value_loss.detach();
-    losses.agreements += logits.argmax(1).eq(policies.argmax(1)).sum();
+    const torch::Tensor has_policy = policies.sum(1) > 0;
+    losses.agreements += (logits.argmax(1).eq(policies.argmax(1)) & has_policy).sum();
+    losses.policies += has_policy.sum();
     ++steps;
     samples_seen += batch.size;
   }
@@ -242,11 +246,13 @@ struct Trainer::Implementation {
     TrainingResult result;
     result.samples = samples;
     const double count = std::max(1.0, static_cast<double>(samples));
-    result.policy_loss = losses.policy.item<double>() / count;
+    const double policies = std::max(1.0, losses.policies.item<double>());
+    result.policy_loss = losses.policy.item<double>() / policies;
     result.value_loss = losses.value.item<double>() / count;
-    result.policy_accuracy = losses.agreements.item<double>() / count;
+    result.policy_accuracy = losses.agreements.item<double>() / policies;
     const double alpha = settings.training.value_weight;
-    result.total_loss = alpha * result.value_loss + (1 - alpha) * result.policy_loss;
+    const double policy_share = policies / count;
+    result.total_loss = alpha * result.value_loss + (1 - alpha) * policy_share * result.policy_loss;
     if (!std::isfinite(result.total_loss)) {
       throw Error(StrCat("training diverged: the loss is ", result.total_loss,
                          "; try a smaller training.learning_rate than ",

@@ -27,10 +27,11 @@ struct TrainerSettings {
 
 // Means over the samples trained on.
 struct TrainingResult {
-  double total_loss = 0;       // alpha * value_loss + (1 - alpha) * policy_loss
-  double policy_loss = 0;      // cross entropy with the policy target, over all six actions
-  double value_loss = 0;       // (z' - v)^2
-  double policy_accuracy = 0;  // how often the best action is the target's
+  // alpha * value_loss + (1 - alpha) * policy_loss, which is 0 for samples without a policy target.
+  double total_loss = 0;
+  double policy_loss = 0;  // cross entropy over all six actions; of samples with a policy target
+  double value_loss = 0;   // (z' - v)^2
+  double policy_accuracy = 0;  // how often the best action is the target's, where there is one
   std::uint64_t samples = 0;
   double samples_per_s = 0;
   bool finished = false;  // false: stopped early

@@ -29,6 +29,11 @@ TEST(PolicyTarget, TiesGoToTheFirstAction) {
               Pointwise(FloatEq(), {0., .75, 0., 0., .25, 0.}));
 }
 
+TEST(PolicyTarget, WithoutVisitsThereIsNone) {
+  EXPECT_THAT(PolicyTarget({}, 0.0), testing::Each(0.0F));
+  EXPECT_THAT(PolicyTarget({}, 0.5), testing::Each(0.0F));
+}
+
 TEST(PolicyTarget, LargeCountsDoNotOverflow) {
   EXPECT_THAT(PolicyTarget({65535, 65535, 65535, 65535, 65535, 65535}, 0.0),
               testing::Each(FloatEq(1.0F / 6)));

@@ -82,6 +82,31 @@ TEST(Trainer, TheLossIsThePapers) {
   EXPECT_EQ(result.samples, window.size());
 }
 
+// Of fast searches only the value is learned; they do not water the policy's figures down.
+TEST(Trainer, SamplesWithoutAPolicyTrainTheValueAlone) {
+  DataSet data_set;
+  for (const GameRecord& game : PlayGames(0, 4)) AddGame(game, data_set);
+  const auto losses = [&](auto&& has_policy) {
+    DataSet changed = data_set;
+    for (std::size_t i = 0; i < changed.samples.size(); ++i) {
+      if (!has_policy(i)) changed.samples[i].visits = {};
+    }
+    TrainerSettings settings = TinySettings();
+    settings.training.batch_size = static_cast<int>(changed.samples.size());
+    ReplayWindow window(1, std::size_t{1} << 30);
+    window.Push(std::move(changed.samples));
+    Trainer trainer(settings, FreshState());
+    return Train(trainer, window);
+  };
+  const TrainingResult half = losses([](std::size_t i) { return i % 2 == 0; });
+  EXPECT_NEAR(half.policy_loss, std::log(6.0), 0.05);
+  EXPECT_NEAR(half.total_loss, 0.1 * half.value_loss + 0.9 * half.policy_loss / 2, 0.01);
+  const TrainingResult none = losses([](std::size_t) { return false; });
+  EXPECT_EQ(none.policy_loss, 0);
+  EXPECT_EQ(none.policy_accuracy, 0);
+  EXPECT_NEAR(none.value_loss, half.value_loss, 0.05);
+}
+
 TEST(Trainer, EqualTrainingGivesEqualWeightsBitForBit) {
   const ReplayWindow window = WindowOf(3);
   Trainer first(TinySettings(), FreshState());

@@ -93,6 +93,29 @@ TEST(SearchAgent, TellsItsDecisionAndStatistics) {
   EXPECT_EQ(agent.move_statistics().prediction[1], Action::kStop);
 }
 
+TEST(SearchAgent, RecordsTheImprovedPolicyOfAGumbelRoot) {
+  SearchAgent agent(ParseSearchSettings("simulations=32,opponents=idle,root=gumbel"));
+  agent.StartGame(GameSettings(), /*self=*/0, Rng(1));
+  agent.Begin(Seen(CornerState()));
+  UniformEvaluator evaluator;
+  Decide(agent, evaluator);
+  const std::optional<Decision> decision = agent.decision();
+  ASSERT_TRUE(decision);
+  EXPECT_NEAR(decision->visits[0] + decision->visits[2], kImprovedPolicyScale, 1);
+}
+
+TEST(SearchAgent, FastSearchesTellNoPolicy) {
+  SearchAgent agent(ParseSearchSettings("opponents=idle,full_search_share=0,fast_simulations=9"));
+  agent.StartGame(GameSettings(), /*self=*/0, Rng(1));
+  agent.Begin(Seen(CornerState()));
+  UniformEvaluator evaluator;
+  Decide(agent, evaluator);
+  const std::optional<Decision> decision = agent.decision();
+  ASSERT_TRUE(decision) << "its value is learned";
+  EXPECT_EQ(decision->visits, Decision().visits);
+  EXPECT_EQ(agent.move_statistics().simulations, 9u);
+}
+
 TEST(SearchAgent, HasNoDecisionWhereOneActionIsLegal) {
   SearchAgent agent(ParseSearchSettings("simulations=32"));
   agent.StartGame(GameSettings(), /*self=*/0, Rng(1));

@@ -242,8 +242,10 @@ TEST(GameRecordTest, DecisionsMustBeInOrder) {
   ExpectRefused(two, "out of order");
 }
 
-TEST(GameRecordTest, DecisionsMustHaveVisitsAndAValue) {
-  ExpectRefused([](GameRecord& r) { r.decisions[4].visits = {}; }, "no visits");
+TEST(GameRecordTest, DecisionsMayHaveNoPolicyButMustHaveAValue) {
+  GameRecord record = Play(SetupOf({true, false, false, false}, 5));
+  record.decisions[4].visits = {};
+  EXPECT_EQ(Verify(record), std::nullopt);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   for (const float value : {1.01f, -1.01f, kNan, kInfinity, -kInfinity}) {
