@@ -228,6 +228,17 @@ TEST_F(HttpServerTest, AMoveBeginsWithTheArrivalOfItsRequest) {
   EXPECT_LT(service_->statistics().slowest_move.total(), std::chrono::seconds(60));
 }
 
+TEST_F(HttpServerTest, WaitingForAThreadCountsAsTimeOfTheMove) {
+  Listen({.port = 0, .threads = 1, .io_timeout = milliseconds(60)});
+  (void)service_->InitAgent(InitBody(0, Mode::kFreeForAll));
+  const int silent = Connect(server_->port());  // keeps the only thread for 60 ms
+  const auto result = Client().Post("/action", Action(), "application/json");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, 200);
+  EXPECT_GT(service_->statistics().slowest_move.read, milliseconds(30));
+  (void)ReadToEnd(silent);
+}
+
 TEST_F(HttpServerTest, SurvivesWhatIsNoHttp) {
   EXPECT_THAT(Exchange("nonsense\r\n\r\n"), HasSubstr("400"));
   (void)Exchange(std::string(100'000, 'x'));
