@@ -144,6 +144,17 @@ TEST(SequentialHalving, LeavesLostActionsAlone) {
   EXPECT_EQ(halving.Next(root), Action::kLeft);
 }
 
+// A clock may end the search before every considered action was tried.
+TEST(SequentialHalving, PrefersWhatWasTried) {
+  SequentialHalving halving;
+  RootStatistics root = kRoot;
+  Rng rng(1);
+  halving.Start(Considering(6), root, 250, /*scale=*/0, rng);
+  root.visits = {0, 0, 0, 0, 1, 0};
+  root.evaluation = 0.5F;
+  EXPECT_EQ(halving.Best(root), Action::kRight);
+}
+
 TEST(SequentialHalving, TakesASimulationBack) {
   SequentialHalving halving;
   Rng rng(1);

@@ -159,6 +159,18 @@ TEST_P(EveryOption, FindsTheSameAloneInBatchesAndInThreads) {
   EXPECT_THAT(found, testing::Each(alone));
 }
 
+TEST_P(EveryOption, FindsTheSameAfterOtherSearches) {
+  SearchSettings settings = ParseSearchSettings(GetParam());
+  settings.simulations = std::min(settings.simulations, 60);
+  Search used(settings, GameSettings{});
+  UniformEvaluator evaluator;
+  used.Start(FromText(kEscape), ModelsAtStart(settings, 0), Rng(1));
+  (void)Finish(used, evaluator);
+  used.Start(KnownStart(1), ModelsAtStart(settings, 0), Rng(2));
+  EXPECT_EQ(Summary(Finish(used, evaluator)),
+            Summary(SearchOnce(settings, KnownStart(1), {}, /*seed=*/2)));
+}
+
 TEST_P(EveryOption, LearnsFromLegalActionsAlone) {
   const State state = FromText(kEscape);
   SearchSettings settings = ParseSearchSettings(GetParam());
@@ -270,6 +282,54 @@ TEST(GumbelRoot, VisitsFollowTheHalvingAndTheTargetIsTheImprovedPolicy) {
   EXPECT_EQ(std::accumulate(visits.begin(), visits.end(), 0U), 250U);
   EXPECT_NEAR(std::accumulate(result.target.begin(), result.target.end(), 0.0),
               kImprovedPolicyScale, 3);
+}
+
+std::vector<std::uint32_t> Sorted(std::array<std::uint32_t, kActionCount> visits) {
+  std::ranges::sort(visits);
+  return {visits.begin(), visits.end()};
+}
+
+// Whatever is found, the shares are the same; a simulation that has to be tried again loses none.
+TEST(GumbelRoot, BatchesAndNetworkModelsDoNotChangeTheShares) {
+  SearchSettings settings = Quiet(100);
+  settings.root = RootSearch::kGumbel;
+  const State state = KnownStart(1);
+  const auto expected = Sorted(SearchOnce(settings, state).visits);
+  settings.opponents.fill(OpponentModel::kRawNetwork);
+  for (const int leaves : {1, 3, 16}) {
+    settings.leaves_per_batch = leaves;
+    EXPECT_EQ(Sorted(SearchOnce(settings, state).visits), expected) << leaves;
+  }
+}
+
+// Farther right is better.
+class ValuesColumns final : public Evaluator {
+ public:
+  void Evaluate(const GameSettings&, std::span<const Position> positions,
+                std::span<Evaluation> evaluations) override {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      const AgentState& self = positions[i].state->agents[0];
+      evaluations[i].policy.fill(1.0F / kActionCount);
+      evaluations[i].value = static_cast<float>(ColumnOf(self.cell)) / 10;
+    }
+  }
+  [[nodiscard]] std::string name() const override { return "values columns"; }
+};
+
+TEST(GumbelRoot, HalvesWhenAllAnswersAreThere) {
+  SearchSettings settings = Quiet(8);
+  settings.root = RootSearch::kGumbel;
+  settings.gumbel_scale = 0;
+  std::vector<SearchResult> results;
+  for (const int leaves : {1, 8}) {
+    settings.leaves_per_batch = leaves;
+    Search search(settings, {});
+    ValuesColumns evaluator;
+    search.Start(FromText(kEscape), ModelsAtStart(settings, 0), Rng(1));
+    results.push_back(Finish(search, evaluator));
+  }
+  EXPECT_EQ(results[0].best, Action::kRight);
+  EXPECT_EQ(Summary(results[0]).visits, Summary(results[1]).visits);
 }
 
 TEST(GumbelRoot, WithoutGumbelNumbersTheSeedChangesNothing) {
@@ -430,6 +490,13 @@ TEST(TerminalSolver, LostActionsAreNeitherChosenNorLearned) {
   EXPECT_LT(result.visits[0], SearchOnce(Quiet(200), state).visits[0]);
 }
 
+TEST(TerminalSolver, ExploratoryStartsSpareLostActions) {
+  SearchSettings settings = Solving(400);
+  settings.exploratory_start = 1;
+  const auto visits = SearchOnce(settings, FromText(kEscape)).visits;
+  EXPECT_LT(visits[0], visits[4] / 2);
+}
+
 TEST(TerminalSolver, AgreesWithLookingAtEverything) {
   int proven = 0;
   for (std::uint64_t seed = 0; seed < 25; ++seed) {
@@ -555,6 +622,40 @@ TEST(NetworkModels, ActInTheFirstStepsOnlyWhereAsked) {
               testing::ElementsAre(Action::kStop, Action::kUp, Action::kDown, Action::kLeft));
   EXPECT_GT(result.mean_depth, 2);
   EXPECT_THAT(evaluator.steps_of_models, testing::ElementsAre(-1, 5, 6));
+}
+
+// Agent 1 is sent up twice by the network. Having seen that, its rule-based model does not think
+// itself in a loop, in which it would step at random, and goes for agent 0: up or left.
+TEST(NetworkModels, AreRememberedByTheRuleBasedOnesAfterThem) {
+  SearchSettings settings = Quiet(400);
+  settings.opponents.fill(OpponentModel::kSimpleUnbiased);
+  settings.raw_network_depth = 2;
+  const State state = FromText(R"(
+    0..........
+    ...........
+    ...........
+    ...........
+    ...........
+    ...........
+    .....1.....
+    ...........
+    ...........
+    ...........
+    ...........
+    agent 0 ammo 0 strength 2
+    agent 1 ammo 1 strength 2
+  )");
+  Search search(settings, {});
+  Asked evaluator;
+  search.Start(state, ModelsAtStart(settings, 0), Rng(1));
+  (void)Finish(search, evaluator);
+  int seen = 0;
+  for (const auto& [node, viewers] : evaluator.viewers) {
+    if (node->step != state.step + 3) continue;
+    EXPECT_THAT(node->agents[1].cell, testing::AnyOf(CellAt(3, 5), CellAt(4, 4)));
+    ++seen;
+  }
+  EXPECT_GT(seen, 10);
 }
 
 }  // namespace
