@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <barrier>
 #include <mutex>
 #include <set>
 #include <thread>
@@ -42,6 +43,26 @@ class StepEvaluator final : public Evaluator {
  private:
   Questions& questions_;
   std::atomic<bool> busy_ = false;
+};
+
+// Answers 1 only when another evaluator is at work too, everywhere but on the first thread late.
+class MeetingEvaluator final : public Evaluator {
+ public:
+  explicit MeetingEvaluator(std::barrier<>& meeting) : meeting_(meeting) {}
+  void Evaluate(const GameSettings& /*settings*/, std::span<const Position> /*positions*/,
+                std::span<Evaluation> evaluations) override {
+    meeting_.arrive_and_wait();
+    constexpr int kLate = 1000;
+    for (int i = 0; std::this_thread::get_id() != first_ && i < kLate; ++i) {
+      std::this_thread::yield();
+    }
+    for (Evaluation& evaluation : evaluations) evaluation.value = 1;
+  }
+  [[nodiscard]] std::string name() const override { return "meeting"; }
+
+ private:
+  std::barrier<>& meeting_;
+  const std::thread::id first_ = std::this_thread::get_id();
 };
 
 class ParallelEvaluatorTest : public testing::Test {
@@ -86,6 +107,19 @@ TEST_F(ParallelEvaluatorTest, PartsAreOfOneSizeButForOne) {
   ParallelEvaluator evaluator(Evaluators(3));
   Ask(evaluator, 0, 11);
   EXPECT_EQ(questions_.sizes, (std::multiset<std::size_t>{3, 4, 4}));
+}
+
+TEST_F(ParallelEvaluatorTest, PartsAreAnsweredAtTheSameTimeAndAllAwaited) {
+  std::barrier meeting(2);
+  std::vector<std::unique_ptr<Evaluator>> evaluators;
+  for (int i = 0; i < 2; ++i) evaluators.push_back(std::make_unique<MeetingEvaluator>(meeting));
+  ParallelEvaluator evaluator(std::move(evaluators));
+  const std::vector<Position> positions(7, Position{.state = &states_[0], .viewer = 0});
+  for (int batch = 0; batch < 20; ++batch) {
+    std::vector<Evaluation> evaluations(positions.size(), Evaluation{});
+    evaluator.Evaluate({}, positions, evaluations);
+    for (const Evaluation& evaluation : evaluations) ASSERT_EQ(evaluation.value, 1);
+  }
 }
 
 TEST_F(ParallelEvaluatorTest, OnePositionIsForTheCaller) {
