@@ -27,7 +27,7 @@ constexpr int kMostGames = 1'000'000;
 
 constexpr const char* kExamples = R"(Examples:
   arena --agent search                            # the default search against three SimpleUnbiased
-  arena --agent search:simulations=64,model=runs/quick/weights/version-000012.weights --games 1000
+  arena --agent search:simulations=64,model=runs/quick/weights/version-000025.weights --games 1000
   arena --agent "search:model=FILE,tree=two_player,simulations=1000,opponents=simple_unbiased"
   arena --agent raw:model=OLD --agent raw:model=NEW --sprt score_difference=0..0.05 --games 5000
   arena --agent search --sprt win_rate=0.5..0.6   # stops when it is clear which of the two it is
