@@ -72,15 +72,15 @@ std::array<double, kActionCount> ImprovedPolicy(const SearchSettings& settings,
 }
 
 void SequentialHalving::Start(const SearchSettings& settings, const RootStatistics& root,
-                              int simulations, double scale, Rng& rng) {
+                              Rng& rng) {
   c_visit_ = settings.gumbel_c_visit;
   c_scale_ = settings.gumbel_c_scale;
-  simulations_ = simulations;
+  simulations_ = settings.simulations;
   for (std::size_t a = 0; a < kActionCount; ++a) {
     urges_[a] = LogPrior(root, a);
-    if (scale > 0) urges_[a] += scale * GumbelNumber(rng);
+    if (settings.gumbel_scale > 0) urges_[a] += settings.gumbel_scale * GumbelNumber(rng);
   }
-  Consider(root.legal, urges_, std::min(settings.gumbel_considered, std::max(simulations, 1)));
+  Consider(root.legal, urges_, std::min(settings.gumbel_considered, simulations_));
   phases_ = std::max(1, static_cast<int>(std::bit_width(static_cast<unsigned>(count_ - 1))));
   BeginPhase();
 }

@@ -26,9 +26,8 @@ namespace powderkeg {
 // in the values, not in the shares. A value; one thread.
 class SequentialHalving {
  public:
-  // Begins a search. The Gumbel numbers are multiplied by `scale`; 0: none.
-  void Start(const SearchSettings& settings, const RootStatistics& root, int simulations,
-             double scale, Rng& rng);
+  // Begins a search of settings.simulations.
+  void Start(const SearchSettings& settings, const RootStatistics& root, Rng& rng);
 
   // Whether Next chooses by values: then all earlier simulations should have ended.
   [[nodiscard]] bool phase_is_over() const { return next_ == phase_end_; }

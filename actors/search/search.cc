@@ -35,6 +35,15 @@ std::uint32_t AsCount(double share) {
   return static_cast<std::uint32_t>(share * kImprovedPolicyScale + 0.5);
 }
 
+SearchSettings WithoutExploration(SearchSettings settings) {
+  settings.noise_weight = 0;
+  settings.exploratory_start = 0;
+  settings.forced_playouts = 0;
+  settings.gumbel_scale = 0;
+  settings.temperature = 0;
+  return settings;
+}
+
 bool IsAlive(const State& state, AgentId agent) {
   return state.agents[static_cast<std::size_t>(agent)].alive;
 }
@@ -51,7 +60,8 @@ Action MostProbable(const Evaluation& evaluation, ActionSet legal) {
 }  // namespace
 
 Search::Search(const SearchSettings& settings, const GameSettings& game)
-    : settings_(settings), game_(AsKnownTo(settings, game)), tree_(settings) {
+
+    : settings_(settings), move_(settings), game_(AsKnownTo(settings, game)), tree_(settings) {
   pending_.reserve(static_cast<std::size_t>(settings.leaves_per_batch + kAgentCount));
 }
 
@@ -72,7 +82,7 @@ void Search::Start(const State& root, const OpponentModels& models, Rng rng) {
   rng_ = rng;
   started_ = finished_ = reused_visits_ = 0;
   depth_sum_ = 0;
-  BeginBudget();
+  ChooseLength();
   const NodeIndex foreseen = foresight ? FindForeseen(root, kRoot) : kNoNode;
   if (foreseen == kNoNode) {
     BeginTree(root);
@@ -82,13 +92,13 @@ void Search::Start(const State& root, const OpponentModels& models, Rng rng) {
   BeginRoot();
 }
 
-// Playout cap randomisation (Wu 2019, 3.1): most searches are short and only play well.
-void Search::BeginBudget() {
+// Playout cap randomisation (Wu 2019, 3.1): most searches are short, and play as well as they can.
+void Search::ChooseLength() {
   full_search_ = settings_.full_search_share >= 1 ||
                  rng_.Split(kFullSearchPurpose).Uniform() < settings_.full_search_share;
-  budget_ = full_search_ ? settings_.simulations : settings_.fast_simulations;
-  exploratory_start_ = full_search_ ? settings_.exploratory_start : 0;
-  forced_playouts_ = full_search_ ? settings_.forced_playouts : 0;
+  move_ = full_search_ ? settings_ : WithoutExploration(settings_);
+  if (!full_search_) move_.simulations = settings_.fast_simulations;
+  budget_ = move_.simulations;
 }
 
 void Search::BeginTree(const State& root) {
@@ -130,11 +140,9 @@ void Search::BeginRoot() {
   root_priors_ = root.prior;
   if (root.proven != 0) budget_ = 0;
   if (settings_.root == RootSearch::kGumbel) {
-    if (root.proven != 0) return;
-    const double scale = full_search_ ? settings_.gumbel_scale : 0;
-    halving_.Start(settings_, Candidates(), budget_, scale, rng_);
-  } else if (full_search_ && settings_.noise_weight > 0) {
-    Tree::SetPriors(root, WithNoise(settings_, root_priors_, root.legal, rng_));
+    if (root.proven == 0) halving_.Start(move_, Candidates(), rng_);
+  } else if (move_.noise_weight > 0) {
+    Tree::SetPriors(root, WithNoise(move_, root_priors_, root.legal, rng_));
   }
 }
 
@@ -193,14 +201,14 @@ Action Search::ChooseAction(NodeIndex index) {
 Action Search::ChooseRootAction() {
   const Node& root = tree_[kRoot];
   if (settings_.root == RootSearch::kGumbel) return halving_.Next(Candidates());
-  if (exploratory_start_ != 0 && rng_.Uniform() < exploratory_start_) {
+  if (move_.exploratory_start != 0 && rng_.Uniform() < move_.exploratory_start) {
     unsigned remaining = root.legal & ~static_cast<unsigned>(root.closed);
     std::uint32_t skip = rng_.Below(static_cast<std::uint32_t>(std::popcount(remaining)));
     for (; skip > 0; --skip) remaining &= remaining - 1;
     return OnlyOne(static_cast<ActionSet>(remaining));
   }
-  if (forced_playouts_ > 0) {
-    const std::size_t forced = ForcedAction(forced_playouts_, Candidates());
+  if (move_.forced_playouts > 0) {
+    const std::size_t forced = ForcedAction(move_.forced_playouts, Candidates());
     if (forced < kActionCount) return static_cast<Action>(forced);
   }
   return tree_.Select(root);
@@ -415,10 +423,11 @@ void Search::ChooseFrom(RootStatistics candidates, SearchResult& result) const {
     return;
   }
   const double exploration = static_cast<double>(tree_.Exploration(root.visit_count));
-  result.target = forced_playouts_ > 0 ? WithoutForced(forced_playouts_, exploration, candidates)
-                                       : candidates.visits;
+  result.target = move_.forced_playouts > 0
+                      ? WithoutForced(move_.forced_playouts, exploration, candidates)
+                      : candidates.visits;
   candidates.priors = root_priors_;
-  result.best = ChooseMove(settings_, candidates, rng_);
+  result.best = ChooseMove(move_, candidates, rng_);
   const bool learnable = std::ranges::any_of(result.target, [](auto count) { return count > 0; });
   if (!learnable) result.target[static_cast<std::size_t>(result.best)] = 1;
 }

@@ -86,7 +86,7 @@ class Search {
   };
 
   // Start
-  void BeginBudget();
+  void ChooseLength();
   void BeginTree(const State& root);
   [[nodiscard]] NodeIndex FindForeseen(const State& root, NodeIndex parent) const;
   void BeginRoot();
@@ -122,7 +122,8 @@ class Search {
   [[nodiscard]] BitBoard VisibleFor(const State& state, AgentId viewer) const;
 
   SearchSettings settings_;
-  GameSettings game_;  // as the search knows it: without a step limit if that setting is off
+  SearchSettings move_;  // the same for this move: a fast search differs
+  GameSettings game_;    // as the search knows it: without a step limit if that setting is off
   AgentId self_ = 0;
   std::array<ModelledAgent, kAgentCount> models_;
   Rng rng_;
@@ -130,9 +131,7 @@ class Search {
   std::vector<Pending> pending_;
   bool forced_ = true;  // nothing to search
   bool full_search_ = true;
-  int budget_ = 0;  // simulations of this move
-  double exploratory_start_ = 0;
-  double forced_playouts_ = 0;
+  int budget_ = 0;             // simulations of this move
   SequentialHalving halving_;  // of a Gumbel root
   int started_ = 0;            // simulations of this move, those waiting for an answer included
   int finished_ = 0;           // simulations of this move that were backed up

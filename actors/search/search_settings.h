@@ -97,8 +97,8 @@ struct SearchSettings {
   double forced_playouts = 0;  // k (root_policy.h); 2 as published; 0: off
 
   // Playout cap randomisation: this share of the moves is searched with all simulations, the others
-  // with fast_simulations, without noise, exploratory starts and forced playouts, and not to be
-  // learned as policies.
+  // with fast_simulations, without noise of any kind, exploratory starts, forced playouts and
+  // temperature, and not to be learned as policies.
   double full_search_share = 1;
   int fast_simulations = 50;
 

@@ -16,18 +16,20 @@ using Counts = std::array<std::uint32_t, kActionCount>;
 
 constexpr RootStatistics kRoot = {.priors = {0.3F, 0.25F, 0.2F, 0.1F, 0.1F, 0.05F}};
 
-SearchSettings Considering(int actions) {
+SearchSettings Considering(int actions, int simulations) {
   SearchSettings settings = GumbelSettings();
+  settings.simulations = simulations;
+  settings.gumbel_scale = 0;
   settings.gumbel_considered = actions;
   return settings;
 }
 
 // Runs a search of which every simulation through an action finds that action's value.
-Counts Share(const SearchSettings& settings, RootStatistics root, int simulations,
+Counts Share(const SearchSettings& settings, RootStatistics root,
              const std::array<float, kActionCount>& values, SequentialHalving& halving) {
   Rng rng(1);
-  halving.Start(settings, root, simulations, /*scale=*/0, rng);
-  for (int i = 0; i < simulations; ++i) {
+  halving.Start(settings, root, rng);
+  for (int i = 0; i < settings.simulations; ++i) {
     const auto a = static_cast<std::size_t>(halving.Next(root));
     ++root.visits[a];
     root.values[a] = values[a];
@@ -106,7 +108,7 @@ TEST(ImprovedPolicy, IsNeverWorthLessThanThePrior) {
 // two; the 9 that are left go to the two.
 TEST(SequentialHalving, SharesSimulationsOutByPhases) {
   SequentialHalving halving;
-  EXPECT_THAT(Share(Considering(6), kRoot, 250, {}, halving),
+  EXPECT_THAT(Share(Considering(6, 250), kRoot, {}, halving),
               ElementsAre(13 + 27 + 41 + 5, 13 + 27 + 41 + 4, 13 + 27, 13, 13, 13));
   EXPECT_EQ(halving.Best(kRoot), Action::kStop);
 }
@@ -114,26 +116,26 @@ TEST(SequentialHalving, SharesSimulationsOutByPhases) {
 TEST(SequentialHalving, KeepsTheBetterHalf) {
   SequentialHalving halving;
   const Counts visits =
-      Share(Considering(6), kRoot, 60, {-0.5F, 0.1F, -0.2F, 0.5F, -0.9F, 0.3F}, halving);
+      Share(Considering(6, 60), kRoot, {-0.5F, 0.1F, -0.2F, 0.5F, -0.9F, 0.3F}, halving);
   EXPECT_THAT(visits, ElementsAre(3, 3 + 6, 3, 3 + 6 + 12, 3, 3 + 6 + 12));
 }
 
 TEST(SequentialHalving, ConsidersOnlyTheLikeliestActions) {
   SequentialHalving halving;
-  EXPECT_THAT(Share(Considering(2), kRoot, 10, {}, halving), ElementsAre(5, 5, 0, 0, 0, 0));
-  EXPECT_THAT(Share(Considering(1), kRoot, 10, {}, halving), ElementsAre(10, 0, 0, 0, 0, 0));
+  EXPECT_THAT(Share(Considering(2, 10), kRoot, {}, halving), ElementsAre(5, 5, 0, 0, 0, 0));
+  EXPECT_THAT(Share(Considering(1, 10), kRoot, {}, halving), ElementsAre(10, 0, 0, 0, 0, 0));
 }
 
 TEST(SequentialHalving, FewSimulationsGoToTheLikeliestActions) {
   SequentialHalving halving;
-  EXPECT_THAT(Share(Considering(6), kRoot, 2, {}, halving), ElementsAre(1, 1, 0, 0, 0, 0));
+  EXPECT_THAT(Share(Considering(6, 2), kRoot, {}, halving), ElementsAre(1, 1, 0, 0, 0, 0));
 }
 
 TEST(SequentialHalving, LeavesLostActionsAlone) {
   SequentialHalving halving;
   RootStatistics root = kRoot;
   Rng rng(1);
-  halving.Start(Considering(2), root, 100, /*scale=*/0, rng);
+  halving.Start(Considering(2, 100), root, rng);
   EXPECT_EQ(halving.Next(root), Action::kStop);
   root.legal = 0b111110;
   EXPECT_EQ(halving.Next(root), Action::kUp);
@@ -149,7 +151,7 @@ TEST(SequentialHalving, PrefersWhatWasTried) {
   SequentialHalving halving;
   RootStatistics root = kRoot;
   Rng rng(1);
-  halving.Start(Considering(6), root, 250, /*scale=*/0, rng);
+  halving.Start(Considering(6, 250), root, rng);
   root.visits = {0, 0, 0, 0, 1, 0};
   root.evaluation = 0.5F;
   EXPECT_EQ(halving.Best(root), Action::kRight);
@@ -158,7 +160,7 @@ TEST(SequentialHalving, PrefersWhatWasTried) {
 TEST(SequentialHalving, TakesASimulationBack) {
   SequentialHalving halving;
   Rng rng(1);
-  halving.Start(Considering(6), kRoot, 250, /*scale=*/0, rng);
+  halving.Start(Considering(6, 250), kRoot, rng);
   EXPECT_EQ(halving.Next(kRoot), Action::kStop);
   EXPECT_EQ(halving.Next(kRoot), Action::kUp);
   halving.TakeBack();
@@ -168,11 +170,13 @@ TEST(SequentialHalving, TakesASimulationBack) {
 // The Gumbel-max trick: the highest of g + ln P is a draw from P.
 TEST(SequentialHalving, DrawsWhatItConsidersFromThePriors) {
   constexpr int kDraws = 20'000;
+  SearchSettings settings = Considering(1, 1);
+  settings.gumbel_scale = 1;
   std::array<int, kActionCount> counts{};
   for (std::uint64_t seed = 0; seed < kDraws; ++seed) {
     SequentialHalving halving;
     Rng rng(seed);
-    halving.Start(Considering(1), kRoot, 1, /*scale=*/1, rng);
+    halving.Start(settings, kRoot, rng);
     ++counts[static_cast<std::size_t>(halving.Next(kRoot))];
   }
   for (std::size_t a = 0; a < kActionCount; ++a) {

@@ -391,7 +391,7 @@ TEST(PlayoutCap, FastSearchesHaveNoNoise) {
   for (const std::string root : {"puct", "gumbel"}) {
     const SearchSettings settings = ParseSearchSettings(
         "full_search_share=0,fast_simulations=30,exploratory_start=0.5,forced_playouts=2,"
-        "opponents=idle,root=" +
+        "temperature=1,opponents=idle,root=" +
         root);
     const Found first = Summary(SearchOnce(settings, state, {}, 1));
     EXPECT_EQ(first, Summary(SearchOnce(settings, state, {}, 2)));
