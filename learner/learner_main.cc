@@ -22,12 +22,14 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/digest.h"
 #include "common/base/log.h"
 #include "common/base/worker.h"
 #include "common/config/config.h"
 #include "common/pommerman/game_settings.h"
 #include "common/wire/zmq_transport.h"
 #include "learner/intake/session_server.h"
+#include "learner/replay/durable_file.h"
 #include "learner/replay/store.h"
 #include "learner/report/iteration_table.h"
 #include "learner/report/live_line.h"
@@ -69,6 +71,10 @@ class RunLock {
   int file_;
 };
 
+void StoreText(const std::filesystem::path& path, const std::string& text) {
+  WriteFileDurably(path, BytesOf(text));
+}
+
 // A random name of the run, made at its first start: actors must not mix runs up.
 std::string RunIdOf(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "run_id";
@@ -78,20 +84,21 @@ std::string RunIdOf(const std::filesystem::path& folder) {
   char text[33];
   std::snprintf(text, sizeof text, "%08x%08x", device(), device());
   id = folder.filename().string() + "-" + text;
-  const std::filesystem::path temporary = path.string() + ".tmp";
-  std::ofstream(temporary) << id << '\n';
-  std::filesystem::rename(temporary, path);
+  StoreText(path, id + '\n');
   return id;
+}
+
+std::filesystem::path StoredConfig(const Options& options) {
+  return options.run_dir / "config.textproto";
 }
 
 // The settings of a run are kept with it; a later start may change them.
 RunConfig ConfigOf(const Options& options) {
-  const std::filesystem::path stored = options.run_dir / "config.textproto";
   std::string source = options.config;
-  if (source.empty() && std::filesystem::exists(stored)) source = stored.string();
-  const RunConfig config = LoadConfig(source, options.changes);
-  std::ofstream(stored) << ToText(config);
-  return config;
+  if (source.empty() && std::filesystem::exists(StoredConfig(options))) {
+    source = StoredConfig(options).string();
+  }
+  return LoadConfig(source, options.changes);
 }
 
 // What is shown while it runs: a live line on a terminal, a plain line now and then elsewhere, and
@@ -184,6 +191,7 @@ class Learner {
     server_ = std::make_unique<SessionServer>(
         settings, ListenZmq({options.listen, keys, options.insecure}),
         [this](std::vector<GameRecord> games) { Append(std::move(games)); }, known);
+    StoreText(StoredConfig(options), ToText(config_));  // nothing has turned out wrong
     log::Info("listening", "endpoint", server_->endpoint(), "keys", keys ? "yes" : "no");
     Display::ShowLine(StrCat(options.run_dir.string(), ": ", loop_.progress().iteration, " of ",
                              config_.training.iterations, " iterations done, ", known.size(),

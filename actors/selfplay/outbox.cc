@@ -133,12 +133,22 @@ void Outbox::Load() {
 void Outbox::Add(SealedGame game) {
   const std::lock_guard lock(mutex_);
   if (numbers_.contains(game.ticket)) return;
-  WriteAll(file_, EntryOf(game), path_);
-  if (fdatasync(file_) != 0) Fail("sync", path_);
-  file_bytes_ += EntrySize(game);
+  Append(EntryOf(game));
   record_bytes_ += game.record.size();
   numbers_[game.ticket] = ++last_number_;
   games_.emplace(last_number_, std::move(game));
+}
+
+// Half an entry would hide those that come after it.
+void Outbox::Append(const std::string& entry) {
+  try {
+    WriteAll(file_, entry, path_);
+    if (fdatasync(file_) != 0) Fail("sync", path_);
+  } catch (const Error&) {
+    if (ftruncate(file_, static_cast<off_t>(file_bytes_)) != 0) Fail("shorten", path_);
+    throw;
+  }
+  file_bytes_ += entry.size();
 }
 
 void Outbox::Remove(std::uint64_t ticket) {

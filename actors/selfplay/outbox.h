@@ -33,7 +33,7 @@ class Outbox {
   Outbox& operator=(const Outbox&) = delete;
 
   // Durable (fsync) when it returns; a ticket that is in it already is dropped. Throws Error if
-  // the disk is full.
+  // the disk is full; the file is then as before.
   void Add(SealedGame game);
 
   // Removes a game; one that is not in it is passed over. Throws Error if the file cannot be
@@ -56,6 +56,7 @@ class Outbox {
 
  private:
   void Load();
+  void Append(const std::string& entry);
   void Rewrite();
 
   const std::filesystem::path path_;

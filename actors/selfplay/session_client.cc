@@ -179,7 +179,8 @@ void SessionClient::CheckDownload(Connection& connection, Clock::time_point now)
 
 void SessionClient::CheckSilence(Connection& connection, Clock::time_point now) const {
   if (now - connection.last_heard < dead_after_) return;
-  log::Warn("the learner is silent", "silence_ms", dead_after_.count());
+  log::Warn(connection.greeted ? "the learner is silent" : "cannot reach the learner, trying again",
+            "after_ms", dead_after_.count());
   connection.end = End::kRetry;
 }
 

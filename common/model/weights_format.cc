@@ -2,7 +2,8 @@
 // nothing is aligned or padded:
 //
 //   magic        8 bytes "PKWEIGHT"
-//   format       u32, 1
+//   format       u32, 2; 1 is read too, which has no checksum
+//   checksum     u32, CRC-32C of all that follows
 //   version      u32, of the weights
 //   description  i32 planes, stem_channels, stem_stride; u32 blocks;
 //                per block: u8 kind, i32 expanded, channels, stride;
@@ -20,17 +21,22 @@
 // memory is taken.
 
 #include <array>
+#include <cstring>
 #include <type_traits>
 
 #include "common/base/byte_stream.h"
 #include "common/base/check.h"
+#include "common/base/digest.h"
 #include "common/model/weights_snapshot.h"
 
 namespace powderkeg {
 namespace {
 
 constexpr std::array<std::uint8_t, 8> kMagic = {'P', 'K', 'W', 'E', 'I', 'G', 'H', 'T'};
-constexpr std::uint32_t kFormat = 1;
+constexpr std::uint32_t kFormat = 2;
+constexpr std::uint32_t kFormatWithoutChecksum = 1;
+constexpr std::size_t kChecksumOffset = kMagic.size() + sizeof(kFormat);
+constexpr std::size_t kChecksummedOffset = kChecksumOffset + sizeof(std::uint32_t);
 constexpr std::uint32_t kMaxBlocks = 1000;
 constexpr std::uint32_t kMaxCanaryPositions = 10'000;
 constexpr std::uint8_t kAliveFlag = 1;
@@ -225,13 +231,17 @@ Canary ReadCanary(ByteReader& in) {
   return canary;
 }
 
-void ReadHeader(ByteReader& in) {
+void ReadHeader(std::span<const std::uint8_t> bytes, ByteReader& in) {
   std::array<std::uint8_t, kMagic.size()> magic{};
   in.ReadAll(std::span<std::uint8_t>(magic));
   if (magic != kMagic) throw Error("weights: bad magic, expected 'PKWEIGHT'");
   const auto format = in.Read<std::uint32_t>();
+  if (format == kFormatWithoutChecksum) return;
   if (format != kFormat) {
-    throw Error(StrCat("weights: format ", format, ", expected ", kFormat));
+    throw Error(StrCat("weights: format ", format, ", expected at most ", kFormat));
+  }
+  if (in.Read<std::uint32_t>() != Crc32c(bytes.subspan(kChecksummedOffset))) {
+    throw Error("weights: the checksum is wrong: damaged or truncated");
   }
 }
 
@@ -241,17 +251,21 @@ std::vector<std::uint8_t> Serialize(const WeightsSnapshot& snapshot) {
   ByteWriter out;
   out.WriteAll(std::span<const std::uint8_t>(kMagic));
   out.Write(kFormat);
+  out.Write(std::uint32_t{0});  // the checksum, once the rest is known
   out.Write(snapshot.version);
   Write(snapshot.description, out);
   out.Write(static_cast<std::uint32_t>(snapshot.arrays.size()));
   for (const NamedArray& array : snapshot.arrays) Write(array, out);
   Write(snapshot.canary, out);
-  return out.Take();
+  std::vector<std::uint8_t> bytes = out.Take();
+  const std::uint32_t checksum = Crc32c(std::span(bytes).subspan(kChecksummedOffset));
+  std::memcpy(bytes.data() + kChecksumOffset, &checksum, sizeof(checksum));
+  return bytes;
 }
 
 WeightsSnapshot Deserialize(std::span<const std::uint8_t> bytes) {
   ByteReader in("weights", bytes);
-  ReadHeader(in);
+  ReadHeader(bytes, in);
   WeightsSnapshot snapshot;
   snapshot.version = in.Read<std::uint32_t>();
   snapshot.description = ReadDescription(in);

@@ -40,6 +40,16 @@ void SetCommonOptions(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::ipv6, 1);
 }
 
+// ZeroMQ takes any number for a port and uses what is left of it in 16 bits.
+void ExpectPort(const std::string& endpoint) {
+  if (!endpoint.starts_with("tcp://")) return;
+  const std::string port = endpoint.substr(endpoint.rfind(':') + 1);
+  const bool number = !port.empty() && port.size() <= 5 &&
+                      port.find_first_not_of("0123456789") == std::string::npos;
+  if (port == "*" || (number && std::stoi(port) <= 65'535)) return;
+  throw Error(StrCat("the port of ", endpoint, " is \"", port, "\"; expected 0 to 65535"));
+}
+
 // Waits until the socket has a message. False: time is up or the waker was notified.
 bool WaitForMessage(zmq::socket_t& socket, milliseconds timeout, const Waker& waker) {
   std::array<zmq::pollitem_t, 2> items = {
@@ -146,6 +156,7 @@ class ZmqServer final : public ServerChannel {
     SetCommonOptions(socket_);
     socket_.set(zmq::sockopt::router_mandatory, 1);
     if (settings.keys) UseKeys(*settings.keys);
+    ExpectPort(settings.endpoint);
     try {
       socket_.bind(settings.endpoint);
     } catch (const zmq::error_t& error) {
@@ -169,7 +180,13 @@ class ZmqServer final : public ServerChannel {
   }
 
   [[nodiscard]] std::string endpoint() const override {
-    return socket_.get(zmq::sockopt::last_endpoint);
+    // An IPv4 address on an IPv6 socket: as it was given.
+    constexpr std::string_view kMapped = "tcp://[::ffff:";
+    std::string endpoint = socket_.get(zmq::sockopt::last_endpoint);
+    if (endpoint.starts_with(kMapped)) {
+      endpoint.replace(0, kMapped.size(), "tcp://").erase(endpoint.find(']'), 1);
+    }
+    return endpoint;
   }
 
  private:
@@ -198,6 +215,7 @@ class ZmqClient final : public ClientChannel {
       socket_.set(zmq::sockopt::curve_publickey, keys->own.public_key);
       socket_.set(zmq::sockopt::curve_secretkey, keys->own.secret_key);
     }
+    ExpectPort(endpoint);
     try {
       socket_.connect(endpoint);
     } catch (const zmq::error_t& error) {

@@ -196,12 +196,12 @@ void SessionServer::HandleSessionMessage(const PeerId& peer, WireMessage& messag
 
 std::optional<Refused> SessionServer::Objection(const Hello& hello) const {
   if (hello.protocol_version != kProtocolVersion) {
-    return Refused{.reason = StrCat("protocol version ", hello.protocol_version,
-                                    "; the learner speaks ", kProtocolVersion)};
+    return Refused{.reason = StrCat("its protocol version is ", hello.protocol_version,
+                                    "; expected ", kProtocolVersion)};
   }
   if (!hello.run_id.empty() && hello.run_id != settings_.run_id) {
-    return Refused{.reason =
-                       StrCat("run \"", hello.run_id, "\"; this is \"", settings_.run_id, "\"")};
+    return Refused{
+        .reason = StrCat("its run is \"", hello.run_id, "\"; expected \"", settings_.run_id, "\"")};
   }
   if (stopping_) return Refused{.reason = "the learner ends", .retry = true};
   return std::nullopt;

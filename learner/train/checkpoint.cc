@@ -137,14 +137,17 @@ CheckpointFolder::CheckpointFolder(fs::path folder, int kept)
 }
 
 std::optional<Checkpoint> CheckpointFolder::LoadNewest() const {
-  for (const fs::path& path : NewestFirst(folder_)) {
+  const std::vector<fs::path> paths = NewestFirst(folder_);
+  for (const fs::path& path : paths) {
     try {
       return DeserializeCheckpoint(ReadFileBytes(path));
     } catch (const Error& error) {
       log::Warn("checkpoint skipped", "file", path.string(), "reason", error.what());
     }
   }
-  return std::nullopt;
+  if (paths.empty()) return std::nullopt;
+  throw Error(StrCat("none of the ", paths.size(), " checkpoints in ", folder_.string(),
+                     " can be read; move them away to train anew on the stored games"));
 }
 
 void CheckpointFolder::Save(const Checkpoint& checkpoint) {

@@ -35,7 +35,8 @@ class CheckpointFolder {
   CheckpointFolder(std::filesystem::path folder, int kept);
 
   // The checkpoint of the latest iteration that can be read; damaged ones are skipped with a
-  // warning. nullopt if there is none.
+  // warning. nullopt if there is no checkpoint. Throws Error if there are some and none can be
+  // read: to train anew without a word would throw the run's iterations away.
   [[nodiscard]] std::optional<Checkpoint> LoadNewest() const;
 
   // Durable when it returns; then deletes all but the `kept` checkpoints up to this

@@ -84,6 +84,16 @@ TEST(CheckpointFolder, DamagedOnesAreSkippedAndGoWithTheNextSave) {
   EXPECT_FALSE(fs::exists(PathOf(folder.path(), 3)));
 }
 
+TEST(CheckpointFolder, IfAllAreDamagedThatIsAnError) {
+  const TemporaryFolder folder;
+  CheckpointFolder checkpoints(folder.path(), 3);
+  for (const int iteration : {1, 2}) {
+    checkpoints.Save(CheckpointOf(iteration));
+    fs::resize_file(PathOf(folder.path(), iteration), 100);
+  }
+  EXPECT_THROW((void)checkpoints.LoadNewest(), Error);
+}
+
 TEST(CheckpointFolder, AStaleTemporaryIsNoCheckpoint) {
   const TemporaryFolder folder;
   CheckpointFolder(folder.path(), 3).Save(CheckpointOf(1));

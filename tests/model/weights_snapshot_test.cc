@@ -68,8 +68,32 @@ TEST(WeightsSnapshot, TrailingBytesAreRefused) {
   EXPECT_TRUE(IsRefused(bytes));
 }
 
-TEST(WeightsSnapshot, FlippedBitsNeverGiveAnInvalidSnapshot) {
+// The same in the format before the checksum: what is wrong must be found by reading.
+std::vector<std::uint8_t> WithoutChecksum(std::vector<std::uint8_t> bytes) {
+  constexpr std::ptrdiff_t kFormat = 8;
+  bytes[kFormat] = 1;
+  bytes.erase(bytes.begin() + kFormat + 4, bytes.begin() + kFormat + 8);
+  return bytes;
+}
+
+TEST(WeightsSnapshot, TheFormatWithoutAChecksumIsRead) {
+  EXPECT_EQ(Deserialize(WithoutChecksum(Serialize(TinySnapshot()))), TinySnapshot());
+}
+
+TEST(WeightsSnapshot, FlippedBitsAreRefused) {
   std::vector<std::uint8_t> bytes = Serialize(TinySnapshot());
+  for (std::uint8_t& byte : bytes) {
+    for (const int flip : {0x01, 0x80, 0xFF}) {
+      const std::uint8_t before = byte;
+      byte = static_cast<std::uint8_t>(before ^ flip);
+      ASSERT_TRUE(IsRefused(bytes)) << &byte - bytes.data();
+      byte = before;
+    }
+  }
+}
+
+TEST(WeightsSnapshot, FlippedBitsWithoutAChecksumNeverGiveAnInvalidSnapshot) {
+  std::vector<std::uint8_t> bytes = WithoutChecksum(Serialize(TinySnapshot()));
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     for (const int flip : {0x01, 0x80, 0xFF}) {
       const std::uint8_t before = bytes[i];
@@ -84,7 +108,7 @@ TEST(WeightsSnapshot, FlippedBitsNeverGiveAnInvalidSnapshot) {
 }
 
 TEST(WeightsSnapshot, HugeCountsAreRefusedBeforeMemoryIsTaken) {
-  std::vector<std::uint8_t> bytes = Serialize(TinySnapshot());
+  std::vector<std::uint8_t> bytes = WithoutChecksum(Serialize(TinySnapshot()));
   constexpr std::size_t kStemChannels = 8 + 4 + 4 + 4;
   bytes[kStemChannels + 1] = 0x07;  // 1,793 channels that are not there
   EXPECT_TRUE(IsRefused(bytes));

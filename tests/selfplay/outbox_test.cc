@@ -1,9 +1,11 @@
 #include "actors/selfplay/outbox.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <fstream>
 #include <iterator>
 
@@ -150,6 +152,33 @@ TEST_F(OutboxTest, SurvivesAKill) {
   ASSERT_EQ(waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFSIGNALED(status));
   EXPECT_EQ(Outbox(spool_.path(), kLimit).size(), 3u);
+}
+
+// What a full disk leaves: the games before it, and room for those after it.
+TEST_F(OutboxTest, AFullDiskIsAnErrorAndHidesNoGame) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    Outbox outbox(spool_.path(), kLimit);
+    outbox.Add(FakeGame(0));
+    rlimit limit{Bytes().size() + 60, RLIM_INFINITY};  // half a game
+    setrlimit(RLIMIT_FSIZE, &limit);
+    bool refused = false;
+    try {
+      outbox.Add(FakeGame(1));
+    } catch (const Error&) {
+      refused = outbox.size() == 1;
+    }
+    limit.rlim_cur = RLIM_INFINITY;
+    setrlimit(RLIMIT_FSIZE, &limit);
+    outbox.Add(FakeGame(2));
+    _exit(refused ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  EXPECT_EQ(Outbox(spool_.path(), kLimit).Tickets(), (std::vector<std::uint64_t>{0, 2}));
 }
 
 TEST(TicketBookTest, GivesTheLowestAndForgetsTheSettled) {

@@ -412,7 +412,7 @@ TEST(SessionTest, AnotherProtocolIsRefusedWithBothVersions) {
   const auto answer = client->Receive(milliseconds(5000), Waker());
   ASSERT_TRUE(answer);
   const auto refused = std::get<Refused>(std::get<WireMessage>(Decode(*answer)));
-  EXPECT_EQ(refused, (Refused{.reason = "protocol version 99; the learner speaks 1"}));
+  EXPECT_EQ(refused, (Refused{.reason = "its protocol version is 99; expected 1"}));
 }
 
 TEST(SessionTest, AFailedStoreFailsTheServer) {

@@ -85,6 +85,13 @@ TEST_F(ZmqTest, APeerThatDoesNotReadGetsABoundedQueue) {
   EXPECT_EQ(SendUntilFull([&] { return client->Send(message); }, pause, 1), 1);
 }
 
+TEST_F(ZmqTest, TheEndpointIsWhatOneConnectsTo) {
+  const auto server = ListenZmq({.endpoint = "tcp://127.0.0.1:0"});
+  EXPECT_TRUE(server->endpoint().starts_with("tcp://127.0.0.1:")) << server->endpoint();
+  const auto on_ipv6 = ListenZmq({.endpoint = "tcp://[::1]:0"});
+  EXPECT_TRUE(on_ipv6->endpoint().starts_with("tcp://[::1]:")) << on_ipv6->endpoint();
+}
+
 TEST_F(ZmqTest, NothingIsSentBeforeTheConnectionStands) {
   const auto client = ConnectZmq("tcp://127.0.0.1:1", std::nullopt);
   EXPECT_FALSE(client->Send("hello"));
@@ -142,6 +149,11 @@ TEST_F(ZmqTest, NoKeysNoListeningBeyondThisMachine) {
 TEST_F(ZmqTest, BadAddressesAndKeysAreErrors) {
   EXPECT_THROW((void)ListenZmq({.endpoint = "nonsense", .allow_insecure = true}), Error);
   EXPECT_THROW((void)ConnectZmq("nonsense", std::nullopt), Error);
+  for (const std::string port : {"99999", "65536", "-1", "", "http", "123456789012345"}) {
+    const std::string endpoint = "tcp://127.0.0.1:" + port;
+    EXPECT_THROW((void)ListenZmq({.endpoint = endpoint}), Error) << endpoint;
+    EXPECT_THROW((void)ConnectZmq(endpoint, std::nullopt), Error) << endpoint;
+  }
   EXPECT_THROW((void)ListenZmq({.endpoint = "tcp://127.0.0.1:0", .keys = keys_}), Error);
   WriteKeyPair(MakeKeyPair(), keys_ / "learner");
   EXPECT_THROW(WriteKeyPair(MakeKeyPair(), keys_ / "learner"), Error);
