@@ -17,6 +17,7 @@
 #include "actors/arena/report.h"
 #include "actors/evaluator_choice.h"
 #include "actors/play/factory.h"
+#include "actors/run_main.h"
 #include "common/base/check.h"
 #include "common/model/weights_snapshot.h"
 
@@ -251,11 +252,5 @@ int main(int argc, char** argv) {
   powderkeg::Arguments arguments;
   powderkeg::Describe(app, arguments);
   CLI11_PARSE(app, argc, argv);
-  try {
-    powderkeg::Run(arguments);
-  } catch (const powderkeg::Error& error) {
-    std::cerr << "arena: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return powderkeg::RunMain("arena", [&] { powderkeg::Run(arguments); });
 }

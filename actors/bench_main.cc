@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <functional>
-#include <iostream>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "actors/run_main.h"
 #include "actors/search/tree.h"
 #include "common/base/check.h"
 #include "common/pommerman/state.h"
@@ -20,6 +20,9 @@
 #ifdef POWDERKEG_HAS_ONEDNN
 #include "tests/bench/bench_clock.h"
 #include "tests/bench/bench_model.h"
+#endif
+#ifdef POWDERKEG_HAS_TORCH
+#include "tests/bench/bench_cuda.h"
 #endif
 
 namespace powderkeg {
@@ -45,6 +48,9 @@ std::vector<Suite> Suites() {
 #ifdef POWDERKEG_HAS_ONEDNN
       {"model", "planes and network evaluations", BenchModel},
       {"clock", "one search under a clock, on one core and on two", BenchClock},
+#endif
+#ifdef POWDERKEG_HAS_TORCH
+      {"cuda", "network evaluations on a CUDA device, by wall time", BenchCuda},
 #endif
   };
 }
@@ -114,11 +120,5 @@ int main(int argc, char** argv) {
   app.add_flag("--json", json, R"(print {"NAME": {"value": ..., "unit": ...}, ...})");
   app.footer(powderkeg::Footer());
   CLI11_PARSE(app, argc, argv);
-  try {
-    powderkeg::Run(filter, json);
-  } catch (const powderkeg::Error& error) {
-    std::cerr << "bench: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return powderkeg::RunMain("bench", [&] { powderkeg::Run(filter, json); });
 }
