@@ -7,12 +7,15 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "common/base/digest.h"
 #include "common/model/planes.h"
 #include "common/model/weights_snapshot.h"
 #include "common/pommerman/board_text.h"
@@ -136,9 +139,13 @@ TEST_F(ArenaProgram, RefusesWeightsThatItCannotUse) {
 // fit.
 TEST_F(ArenaProgram, RefusesANetworkForOtherPlanes) {
   std::vector<std::uint8_t> bytes = Serialize(InitialWeights(TinyNetwork(), Rng(1)));
-  const auto planes = std::ranges::find(bytes, kPlaneCount);
+  constexpr std::ptrdiff_t kChecksum = 12;  // weights_format.cc
+  constexpr std::ptrdiff_t kChecksummed = 16;
+  const auto planes = std::find(bytes.begin() + kChecksummed, bytes.end(), kPlaneCount);
   ASSERT_NE(planes, bytes.end());
   --*planes;
+  const std::uint32_t checksum = Crc32c(std::span(bytes).subspan(kChecksummed));
+  std::memcpy(bytes.data() + kChecksum, &checksum, sizeof(checksum));
   std::ofstream(PathOf("other.weights"), std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()),
              static_cast<std::streamsize>(bytes.size()));
