@@ -160,6 +160,18 @@ TEST_F(AgentServiceTest, UnderAClockTheFirstGameOfAModeIsRehearsed) {
   EXPECT_EQ(service->statistics().evaluations, 0U);
 }
 
+TEST(AgentServiceOfASearch, RehearsesEveryModeUnderAClock) {
+  AgentService service(MakeAgent(ParseAgent("search:simulations=20000,leaves_per_batch=8")),
+                       std::make_shared<UniformEvaluator>(), {.move_time = milliseconds(1)});
+  service.WarmUp();
+  for (const Mode mode : {Mode::kFreeForAll, Mode::kTeam, Mode::kTeamRadio, Mode::kOneVsOne}) {
+    EXPECT_EQ(service.InitAgent(InitBody(1, mode)).status, 200);
+  }
+  const GameSettings settings = GameSettingsFor("OneVsOne-v0").value();
+  const State state = GenerateStart(settings, {}, Rng(3));
+  EXPECT_EQ(service.Act(ActionBody(settings, Observe(settings, state, 1))).status, 200);
+}
+
 TEST_F(AgentServiceTest, CountsWhereTheTimeWent) {
   const auto service = Serve(/*rounds=*/3);
   (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
