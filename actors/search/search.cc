@@ -60,7 +60,6 @@ Action MostProbable(const Evaluation& evaluation, ActionSet legal) {
 }  // namespace
 
 Search::Search(const SearchSettings& settings, const GameSettings& game)
-
     : settings_(settings), move_(settings), game_(AsKnownTo(settings, game)), tree_(settings) {
   pending_.reserve(static_cast<std::size_t>(settings.leaves_per_batch + kAgentCount));
 }

@@ -9,17 +9,7 @@
 #include "common/model/planes.h"
 #include "common/torch/device_planes.h"
 #include "common/torch/inference_network.h"
-#pragma push_macro("CHECK")
-#pragma push_macro("DCHECK")
-#undef CHECK
-#undef DCHECK
-#include <ATen/cuda/CUDAGraph.h>
-#include <c10/cuda/CUDAGuard.h>
-#include <c10/cuda/CUDAStream.h>
-#undef CHECK
-#undef DCHECK
-#pragma pop_macro("DCHECK")
-#pragma pop_macro("CHECK")
+#include "common/torch/torch_headers.h"
 
 namespace powderkeg {
 namespace {
@@ -29,7 +19,6 @@ constexpr std::array<std::size_t, 15> kSizes = {8,   16,  32,  64,   96,   128, 
                                                 384, 512, 768, 1024, 1536, 2048, 4096};
 // Runs before a capture, in which libraries choose their kernels.
 constexpr int kWarmUps = 3;
-constexpr std::size_t kAnswerSize = kActionCount + 1;
 
 // While one thread captures, no other may allocate on the device.
 std::mutex& CaptureMutex() {
@@ -101,12 +90,7 @@ class CudaEvaluator final : public Evaluator {
     }
     batch.graph.replay();
     stream_.synchronize();
-    const float* answer = batch.host_answers.data_ptr<float>();
-    for (Evaluation& evaluation : evaluations) {
-      std::copy_n(answer, kActionCount, evaluation.policy.begin());
-      evaluation.value = answer[kActionCount];
-      answer += kAnswerSize;
-    }
+    TakeAnswers(batch.host_answers, evaluations);
   }
 
   // The smallest captured batch that has room; captures it the first time.
@@ -124,7 +108,7 @@ class CudaEvaluator final : public Evaluator {
     const auto pinned = torch::TensorOptions().pinned_memory(true);
     batch.host_counts =
         torch::zeros({rows, kPlaneCount + 1, kBoardSize, kBoardSize}, pinned.dtype(torch::kInt8));
-    batch.host_answers = torch::zeros({rows, static_cast<std::int64_t>(kAnswerSize)}, pinned);
+    batch.host_answers = torch::zeros({rows, kAnswerSize}, pinned);
     batch.counts = torch::zeros_like(batch.host_counts, torch::TensorOptions().device(device_));
     for (int i = 0; i < kWarmUps; ++i) Run(batch);
     stream_.synchronize();

@@ -1,5 +1,7 @@
 #include "common/torch/inference_network.h"
 
+#include <algorithm>
+
 #include "common/model/planes.h"
 
 namespace powderkeg {
@@ -11,6 +13,16 @@ torch::ScalarType ScalarTypeOf(Precision precision) {
     case Precision::kFp32: break;
   }
   return torch::kFloat32;
+}
+
+void TakeAnswers(const torch::Tensor& answers, std::span<Evaluation> evaluations) {
+  const torch::Tensor rows = answers.contiguous();
+  const float* answer = rows.data_ptr<float>();
+  for (Evaluation& evaluation : evaluations) {
+    std::copy_n(answer, kActionCount, evaluation.policy.begin());
+    evaluation.value = answer[kActionCount];
+    answer += kAnswerSize;
+  }
 }
 
 InferenceNetwork::InferenceNetwork(const FoldedNetwork& network, torch::TensorOptions options)

@@ -3,8 +3,10 @@
 // The forward pass of a network for play: batch norm folded, tensors of one type on one device.
 // Includes Torch: for common/torch alone.
 
+#include <span>
 #include <vector>
 
+#include "common/model/evaluator.h"
 #include "common/model/folded_network.h"
 #include "common/model/precision.h"
 #include "common/torch/torch_headers.h"
@@ -12,6 +14,11 @@
 namespace powderkeg {
 
 [[nodiscard]] torch::ScalarType ScalarTypeOf(Precision precision);
+
+inline constexpr int kAnswerSize = kActionCount + 1;  // policy probabilities, then the value
+
+// Reads the first rows of what Forward returned, once it is on the CPU.
+void TakeAnswers(const torch::Tensor& answers, std::span<Evaluation> evaluations);
 
 class InferenceNetwork {
  public:

@@ -60,13 +60,7 @@ class CpuEvaluator final : public Evaluator {
       next += kPlanesSize;
     }
     const auto count = static_cast<std::int64_t>(positions.size());
-    const torch::Tensor answers = network_.Forward(planes_.narrow(0, 0, count)).contiguous();
-    const float* answer = answers.data_ptr<float>();
-    for (Evaluation& evaluation : evaluations) {
-      std::copy_n(answer, kActionCount, evaluation.policy.begin());
-      evaluation.value = answer[kActionCount];
-      answer += kActionCount + 1;
-    }
+    TakeAnswers(network_.Forward(planes_.narrow(0, 0, count)), evaluations);
   }
 
   Precision precision_;

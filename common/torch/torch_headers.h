@@ -9,6 +9,11 @@
 #undef DCHECK
 #include <torch/cuda.h>
 #include <torch/torch.h>
+#ifdef POWDERKEG_TORCH_CUDA
+#include <ATen/cuda/CUDAGraph.h>
+#include <c10/cuda/CUDAGuard.h>
+#include <c10/cuda/CUDAStream.h>
+#endif
 #undef CHECK
 #undef DCHECK
 #pragma pop_macro("DCHECK")
