@@ -58,7 +58,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--evaluator", arguments.evaluator,
                  "auto, uniform, onednn or torch instead of what the run says");
   app.add_option("--precision", arguments.precision,
-                 "auto, fp32, bf16 or fp16 instead of what the run says");
+                 "auto, fp32, bf16, fp16 or int8 instead of what the run says");
   app.add_option("--log-file", arguments.log_file, "beside standard error");
   app.add_option("--log-level", arguments.log_level, "debug, info, warn or error");
   app.add_option("--patience", arguments.patience_s,

@@ -54,13 +54,13 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   auto* simulations = app.add_option("--simulations", arguments.simulations, "of a search per move")
                           ->check(CLI::PositiveNumber);
   app.add_option("--move-time-ms", arguments.move_time_ms,
-                 "a search answers after so long; the official runner waits 150 ms")
+                 "a search answers after so long at the latest; the official runner waits 150 ms")
       ->check(CLI::PositiveNumber)
       ->excludes(simulations);
   app.add_option("--seed", arguments.seed, "of all random choices (1)");
   app.add_option("--evaluator", arguments.evaluator.evaluator,
                  "of agents with a model: auto, uniform, onednn, torch");
-  app.add_option("--precision", arguments.evaluator.precision, "auto, fp32, bf16, fp16");
+  app.add_option("--precision", arguments.evaluator.precision, "auto, fp32, bf16, fp16, int8");
   app.add_option("--evaluator-threads", arguments.evaluator.threads,
                  StrCat("processors that answer the questions of a search, each part of them (",
                         arguments.evaluator.threads, "); only with onednn"))
@@ -70,7 +70,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
          StrCat("memory for answers given before (", arguments.evaluator.cache_mb, "); 0: none"))
       ->check(CLI::Range(0, 4096));
   app.add_option("--log-level", arguments.log_level,
-                 "debug (also names every move over 100 ms), info, warn or error");
+                 "debug (also names every move cut short or over 100 ms), info, warn or error");
 }
 
 // The agent's own words, changed by what holds for all.
@@ -168,9 +168,10 @@ void Report(const Seat& seat) {
   const ServiceStatistics served = seat.service->statistics();
   const MoveTimes& slowest = served.slowest_move;
   log::Info("served", "port", port, "games", served.games, "moves", served.moves, "refused",
-            served.refused, "over_100_ms", served.late_moves);
+            served.refused, "cut_short", served.cut_short, "stand_ins", served.stand_ins,
+            "over_100_ms", served.late_moves);
   log::Info("slowest move", "port", port, "ms", Milliseconds(slowest.total()), "read_ms",
-            Milliseconds(slowest.read), "observe_ms", Milliseconds(slowest.observe), "think_ms",
+            Milliseconds(slowest.read), "wait_ms", Milliseconds(slowest.wait), "think_ms",
             Milliseconds(slowest.think));
   if (served.searches == 0) return;
   log::Info("searched", "port", port, "simulations_per_search",

@@ -83,7 +83,7 @@ void AddPlayers(CLI::App& app, Arguments& arguments) {
                  "in team modes: who plays with the measured agent; without it, the agent itself");
   app.add_option("--evaluator", arguments.evaluator.evaluator,
                  "of agents with a model: auto, uniform, onednn, torch");
-  app.add_option("--precision", arguments.evaluator.precision, "auto, fp32, bf16, fp16");
+  app.add_option("--precision", arguments.evaluator.precision, "auto, fp32, bf16, fp16, int8");
 }
 
 void AddGames(CLI::App& app, Arguments& arguments) {

@@ -14,7 +14,7 @@ namespace powderkeg {
 struct EvaluatorChoice {
   std::string evaluator = "auto";  // auto | uniform | onednn | torch; auto: torch if it has a CUDA
                                    // device, else onednn, else torch
-  std::string precision = "auto";  // auto | fp32 | bf16 | fp16; auto: fp16 on CUDA, bf16 where the
+  std::string precision = "auto";  // auto | fp32 | bf16 | fp16 | int8; auto: fp16 on CUDA, bf16 where the
                                    // processor has it, else fp32
   int threads = 1;                 // that share each batch; more than one only with onednn
   int cache_mb = 8;  // of memory for answers given before (EvaluationCache); 0: none. A search of

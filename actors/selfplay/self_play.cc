@@ -25,8 +25,9 @@ bool IsUniform(const SelfPlayConfig& config) { return config.evaluator == "unifo
 
 // Largest differences from the learner's fp32 answers that rounding explains.
 CanaryDifference ToleranceOf(std::string_view evaluator) {
-  return evaluator.ends_with("fp32") ? CanaryDifference{.policy = 1e-3F, .value = 1e-3F}
-                                     : CanaryDifference{.policy = 0.1F, .value = 0.1F};
+  if (evaluator.ends_with("fp32")) return {.policy = 1e-3F, .value = 1e-3F};
+  if (evaluator.ends_with("int8")) return {.policy = 0.4F, .value = 0.6F};
+  return {.policy = 0.1F, .value = 0.1F};
 }
 
 // Whether this machine computes what the learner means.

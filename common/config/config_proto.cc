@@ -227,7 +227,7 @@ void BindSelfPlay(Binder& binder, Config& config) {
   binder.Any("record_after_death", config.record_after_death);
   binder.Choice("weights_swap", config.weights_swap, {"at_game_start", "at_once"});
   binder.Choice("evaluator", config.evaluator, {"auto", "uniform", "torch", "onednn"});
-  binder.Choice("precision", config.precision, {"auto", "fp32", "bf16", "fp16"});
+  binder.Choice("precision", config.precision, {"auto", "fp32", "bf16", "fp16", "int8"});
   binder.AllSet("search", config.search);
 }
 

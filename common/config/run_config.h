@@ -27,7 +27,7 @@ struct SelfPlayConfig {
   bool record_after_death = false;             // play on to the end after the searching agent died
   std::string weights_swap = "at_game_start";  // at_game_start | at_once
   std::string evaluator = "auto";              // auto | uniform | torch | onednn
-  std::string precision = "auto";              // auto | fp32 | bf16 | fp16
+  std::string precision = "auto";              // auto | fp32 | bf16 | fp16 | int8
   Options search;
 
   friend bool operator==(const SelfPlayConfig&, const SelfPlayConfig&) = default;

@@ -9,15 +9,17 @@ std::string_view NameOf(Precision precision) {
     case Precision::kFp32: return "fp32";
     case Precision::kBf16: return "bf16";
     case Precision::kFp16: return "fp16";
+    case Precision::kInt8: return "int8";
   }
   return "unknown";
 }
 
 Precision PrecisionByName(std::string_view name) {
-  for (const Precision precision : {Precision::kFp32, Precision::kBf16, Precision::kFp16}) {
+  for (const Precision precision :
+       {Precision::kFp32, Precision::kBf16, Precision::kFp16, Precision::kInt8}) {
     if (NameOf(precision) == name) return precision;
   }
-  throw Error(StrCat("unknown precision '", name, "', expected fp32, bf16 or fp16"));
+  throw Error(StrCat("unknown precision '", name, "', expected fp32, bf16, fp16 or int8"));
 }
 
 }  // namespace powderkeg

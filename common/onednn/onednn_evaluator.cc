@@ -55,6 +55,11 @@ float Dot(std::span<const float> a, std::span<const float> b) {
   return std::inner_product(a.begin(), a.end(), b.begin(), 0.0F);
 }
 
+bool Has(dnnl::cpu_isa isa) {
+  const auto needed = static_cast<unsigned>(isa);
+  return (static_cast<unsigned>(dnnl::get_effective_cpu_isa()) & needed) == needed;
+}
+
 // The own head: one cell per position, too little for a primitive.
 class OwnHead {
  public:
@@ -99,6 +104,10 @@ class OnednnEvaluator final : public Evaluator {
         value_output_(network.value_output),
         engine_(dnnl::engine::kind::cpu, 0) {
     if (network_.needs_tower) own_head_.emplace(network);
+    if (precision == Precision::kInt8) {
+      const OneThread one_thread;
+      quantized_ = onednn::Quantize(network_, onednn::LargestActivations(network_, engine_));
+    }
   }
 
   void Evaluate(const GameSettings& settings, std::span<const Position> positions,
@@ -145,10 +154,13 @@ class OnednnEvaluator final : public Evaluator {
 
   Program& ProgramFor(std::size_t count) {
     std::unique_ptr<Program>& program = programs_[count - 1];
-    if (!program) {
-      const auto type = precision_ == Precision::kBf16 ? dnnl::memory::data_type::bf16
-                                                       : dnnl::memory::data_type::f32;
-      program = std::make_unique<Program>(network_, static_cast<int>(count), type, engine_);
+    const auto positions = static_cast<int>(count);
+    const bool bf16 = precision_ != Precision::kFp32 && HasBf16();
+    const auto type = bf16 ? dnnl::memory::data_type::bf16 : dnnl::memory::data_type::f32;
+    if (!program && quantized_.has_value()) {
+      program = std::make_unique<Program>(*quantized_, positions, type, engine_);
+    } else if (!program) {
+      program = std::make_unique<Program>(network_, positions, type, engine_);
     }
     return *program;
   }
@@ -158,24 +170,24 @@ class OnednnEvaluator final : public Evaluator {
   LinearLayer value_output_;
   std::optional<OwnHead> own_head_;
   dnnl::engine engine_;
+  std::optional<onednn::QuantizedNetwork> quantized_;      // for int8
   std::array<std::unique_ptr<Program>, kSlice> programs_;  // [positions - 1], made when needed
 };
 
 }  // namespace
 
-bool HasBf16() {
-  const auto needed = static_cast<unsigned>(dnnl::cpu_isa::avx512_core_bf16);
-  return (static_cast<unsigned>(dnnl::get_effective_cpu_isa()) & needed) == needed;
-}
+bool HasBf16() { return Has(dnnl::cpu_isa::avx512_core_bf16); }
+
+bool HasInt8() { return Has(dnnl::cpu_isa::avx512_core_vnni) || Has(dnnl::cpu_isa::avx2_vnni); }
 
 std::unique_ptr<Evaluator> MakeOnednnEvaluator(const Snapshot& snapshot, Precision precision) {
   if (precision == Precision::kFp16) {
     throw Error("onednn evaluator: precision fp16, expected fp32 or bf16");
   }
   Validate(*snapshot);
-  const bool bf16 = precision == Precision::kBf16 && HasBf16();
-  return std::make_unique<OnednnEvaluator>(Fold(*snapshot),
-                                           bf16 ? Precision::kBf16 : Precision::kFp32);
+  if (precision == Precision::kInt8 && !HasInt8()) precision = Precision::kBf16;
+  if (precision == Precision::kBf16 && !HasBf16()) precision = Precision::kFp32;
+  return std::make_unique<OnednnEvaluator>(Fold(*snapshot), precision);
 }
 
 }  // namespace powderkeg

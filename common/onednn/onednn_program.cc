@@ -12,6 +12,9 @@ using dnnl::memory;
 using Desc = memory::desc;
 using Tag = memory::format_tag;
 constexpr auto kF32 = memory::data_type::f32;
+constexpr auto kInt8 = memory::data_type::s8;
+// oneDNN's mask for scales that differ along the second dimension, the channels.
+constexpr int kEachChannel = 1 << 1;
 
 // The caller's memory for intermediate results: oneDNN's own would be shared between threads.
 dnnl::primitive_attr MakeAttributes() {
@@ -36,40 +39,6 @@ memory::dims OutputDims(const FoldedConvolution& layer, const memory::dims& sour
 }
 
 }  // namespace
-
-JoinedNetwork JoinHeads(const FoldedNetwork& network) {
-  const FoldedConvolution& value = network.value_convolution;
-  const FoldedConvolution& policy = network.policy_convolution;
-  JoinedNetwork joined{.stem = network.stem,
-                       .blocks = network.blocks,
-                       .head_convolution = value,
-                       .head = {},
-                       .needs_tower = network.own_hidden.outputs > 0,
-                       .leaky_slope = network.leaky_slope};
-  FoldedConvolution& convolution = joined.head_convolution;
-  convolution.outputs += policy.outputs;
-  convolution.weights.insert(convolution.weights.end(), policy.weights.begin(),
-                             policy.weights.end());
-  convolution.bias.insert(convolution.bias.end(), policy.bias.begin(), policy.bias.end());
-
-  const LinearLayer& hidden = network.value_hidden;
-  const LinearLayer& logits = network.policy_output;
-  LinearLayer& head = joined.head;
-  head.inputs = hidden.inputs + logits.inputs;
-  head.outputs = hidden.outputs + logits.outputs;
-  head.weights.assign(static_cast<std::size_t>(head.inputs * head.outputs), 0.0F);
-  auto row = head.weights.begin();
-  for (int output = 0; output < hidden.outputs; ++output, row += head.inputs) {
-    std::copy_n(hidden.weights.begin() + output * hidden.inputs, hidden.inputs, row);
-  }
-  for (int output = 0; output < logits.outputs; ++output, row += head.inputs) {
-    std::copy_n(logits.weights.begin() + output * logits.inputs, logits.inputs,
-                row + hidden.inputs);
-  }
-  head.bias = hidden.bias;
-  head.bias.insert(head.bias.end(), logits.bias.begin(), logits.bias.end());
-  return joined;
-}
 
 memory Arena::Acquire(const Desc& desc, const dnnl::engine& engine) {
   auto free = std::ranges::find(buffers_, false, &Buffer::in_use);
@@ -98,8 +67,18 @@ void Arena::Commit() {
 
 Program::Program(const JoinedNetwork& network, int positions, memory::data_type type,
                  const dnnl::engine& engine)
+    : Program(network, nullptr, positions, type, engine) {}
+
+Program::Program(const QuantizedNetwork& network, int positions, memory::data_type type,
+                 const dnnl::engine& engine)
+    : Program(network.network, &network, positions, type, engine) {}
+
+Program::Program(const JoinedNetwork& network, const QuantizedNetwork* quantized, int positions,
+                 memory::data_type type, const dnnl::engine& engine)
     : positions_(positions),
       type_(type),
+      convolution_type_(quantized == nullptr ? type : kInt8),
+      quantized_(quantized),
       leaky_slope_(network.leaky_slope),
       engine_(engine),
       stream_(engine),
@@ -112,6 +91,7 @@ Program::Program(const JoinedNetwork& network, int positions, memory::data_type 
   if (network.needs_tower) AddTowerCopy(x);
   x = AddConvolution(network.head_convolution, x, Activation::kLeaky);
   AddLinear(network.head, x);
+  quantized_ = nullptr;
   arena_.Commit();
 }
 
@@ -141,11 +121,18 @@ memory Program::AddConvolution(const FoldedConvolution& layer, const memory& sou
   }
   dnnl::primitive_attr attributes = MakeAttributes();
   attributes.set_post_ops(post_ops);
+  auto output_type = convolution_type_;
+  if (quantized_ != nullptr) {
+    attributes.set_output_scales(kEachChannel, quantized_->scales[convolutions_]);
+    if (convolutions_ + 1 == quantized_->scales.size()) output_type = type_;
+  }
+  ++convolutions_;
   const Desc bias({layer.outputs}, kF32, Tag::x);
   const dnnl::convolution_forward::primitive_desc description(
       {dnnl::prop_kind::forward_inference, dnnl::algorithm::convolution_direct,
-       Desc(source_dims, type_, Tag::any), WeightsDesc(layer, type_, Tag::any), bias,
-       Desc(OutputDims(layer, source_dims), type_, Tag::any), strides, padding, padding},
+       Desc(source_dims, convolution_type_, Tag::any),
+       WeightsDesc(layer, convolution_type_, Tag::any), bias,
+       Desc(OutputDims(layer, source_dims), output_type, Tag::any), strides, padding, padding},
       attributes, engine_);
   const memory input = Converted(source, description.src_desc());
   const memory output = residual != nullptr ? Converted(*residual, description.dst_desc())
@@ -156,6 +143,7 @@ memory Program::AddConvolution(const FoldedConvolution& layer, const memory& sou
                                        description.weights_desc())},
            {DNNL_ARG_BIAS, Constant(layer.bias, bias, bias)},
            {DNNL_ARG_DST, output}});
+  steps_.back().is_convolution = true;
   ReleaseCopy(input, source);
   if (residual != nullptr) ReleaseCopy(*residual, output);
   return output;
@@ -182,19 +170,23 @@ void Program::AddLinear(const LinearLayer& layer, const memory& source) {
 memory Program::Converted(const memory& source, const Desc& desc) {
   if (source.get_desc() == desc) return source;
   const memory copy = arena_.Acquire(desc, engine_);
-  AddReorder(source, copy);
+  const bool quantizes = source.get_desc().data_type() == kF32 && desc.data_type() == kInt8;
+  AddReorder(source, copy, quantizes ? std::vector{kStepsPerPlane} : std::vector<float>{});
   return copy;
 }
 
-void Program::AddReorder(const memory& from, const memory& to) {
-  const dnnl::reorder::primitive_desc description(from, to, MakeAttributes());
+void Program::AddReorder(const memory& from, const memory& to, const std::vector<float>& scales) {
+  dnnl::primitive_attr attributes = MakeAttributes();
+  if (!scales.empty()) attributes.set_output_scales(scales.size() == 1 ? 0 : kEachChannel, scales);
+  const dnnl::reorder::primitive_desc description(from, to, attributes);
   AddStep(description, dnnl::reorder(description), {{DNNL_ARG_FROM, from}, {DNNL_ARG_TO, to}});
 }
 
 void Program::AddTowerCopy(const memory& source) {
   const memory::dims dims = source.get_desc().dims();
   tower_.resize(static_cast<std::size_t>(dims[0] * dims[1] * dims[2] * dims[3]));
-  AddReorder(source, memory({dims, kF32, Tag::nhwc}, engine_, tower_.data()));
+  AddReorder(source, memory({dims, kF32, Tag::nhwc}, engine_, tower_.data()),
+             quantized_ == nullptr ? std::vector<float>{} : quantized_->tower_steps);
 }
 
 void Program::ReleaseCopy(const memory& copy, const memory& source) {
@@ -218,12 +210,21 @@ void Program::AddStep(const dnnl::primitive_desc_base& description, dnnl::primit
     arena_.Release(scratch);
   }
   implementations_.emplace_back(description.impl_info_str());
-  steps_.push_back({std::move(primitive), std::move(arguments)});
+  steps_.push_back({.primitive = std::move(primitive), .arguments = std::move(arguments)});
 }
 
 void Program::Run() {
   for (const Step& step : steps_) step.primitive.execute(stream_, step.arguments);
   stream_.wait();
+}
+
+void Program::Run(const Observer& observe) {
+  std::size_t convolution = 0;
+  for (const Step& step : steps_) {
+    step.primitive.execute(stream_, step.arguments);
+    stream_.wait();
+    if (step.is_convolution) observe(convolution++, step.arguments.at(DNNL_ARG_DST));
+  }
 }
 
 }  // namespace powderkeg::onednn

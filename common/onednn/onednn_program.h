@@ -3,6 +3,7 @@
 // A network compiled by oneDNN for a fixed number of positions. Internal to common/onednn.
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <oneapi/dnnl/dnnl.hpp>
 #include <span>
@@ -10,23 +11,10 @@
 #include <unordered_map>
 #include <vector>
 
-#include "common/model/folded_network.h"
+#include "common/onednn/joined_network.h"
+#include "common/onednn/quantization.h"
 
 namespace powderkeg::onednn {
-
-// A folded network whose two heads are one: their 1x1 convolutions side by side, then one linear
-// layer with the value's hidden layer (before its activation) and the policy's logits side by side.
-// What one head does not read of the other's channels has weight 0. The own head, the value's
-// output layer, tanh and softmax are left to the caller.
-struct JoinedNetwork {
-  FoldedConvolution stem;
-  std::vector<FoldedBlock> blocks;
-  FoldedConvolution head_convolution;
-  LinearLayer head;          // outputs: value_hidden, then 6 logits
-  bool needs_tower = false;  // whether the caller reads Program::tower()
-  float leaky_slope = 0;
-};
-[[nodiscard]] JoinedNetwork JoinHeads(const FoldedNetwork& network);
 
 // Memory for the activations of a program. A buffer is reused as soon as it was released, which
 // keeps the working set in the cache.
@@ -56,12 +44,18 @@ class Program {
   // `type` is that of weights and activations: f32 or bf16.
   Program(const JoinedNetwork& network, int positions, dnnl::memory::data_type type,
           const dnnl::engine& engine);
+  // In 8-bit integers, the heads' linear layer in `type`.
+  Program(const QuantizedNetwork& network, int positions, dnnl::memory::data_type type,
+          const dnnl::engine& engine);
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
   // [positions][plane][cell], to be written before Run.
   [[nodiscard]] std::span<float> input() { return input_; }
   void Run();
+  // The same; shows what each convolution leaves, in their order, to observe(number, activations).
+  using Observer = std::function<void(std::size_t, const dnnl::memory&)>;
+  void Run(const Observer& observe);
   // [positions][value_hidden + 6] after Run; the caller may work in it.
   [[nodiscard]] std::span<float> output() { return output_; }
 
@@ -76,8 +70,12 @@ class Program {
   struct Step {
     dnnl::primitive primitive;
     std::unordered_map<int, dnnl::memory> arguments;
+    bool is_convolution = false;
   };
 
+  // `quantized`: null where weights and activations are floats.
+  Program(const JoinedNetwork& network, const QuantizedNetwork* quantized, int positions,
+          dnnl::memory::data_type type, const dnnl::engine& engine);
   [[nodiscard]] dnnl::memory AddBlock(const FoldedBlock& block, const dnnl::memory& input);
   // A convolution, then the sum with `residual` (if not null), then the activation. The result
   // takes the residual's place.
@@ -89,7 +87,9 @@ class Program {
   void AddLinear(const LinearLayer& layer, const dnnl::memory& source);
   // Copies the tower's result to tower().
   void AddTowerCopy(const dnnl::memory& source);
-  void AddReorder(const dnnl::memory& from, const dnnl::memory& to);
+  // `scales`: what the values are multiplied by, all of them by one or each channel by its own.
+  void AddReorder(const dnnl::memory& from, const dnnl::memory& to,
+                  const std::vector<float>& scales = {});
   // `source` in the form `desc`: itself, or a copy made by a reorder step.
   [[nodiscard]] dnnl::memory Converted(const dnnl::memory& source, const dnnl::memory::desc& desc);
   // Releases `copy` if Converted made it from `source`.
@@ -102,7 +102,10 @@ class Program {
                std::unordered_map<int, dnnl::memory> arguments);
 
   int positions_;
-  dnnl::memory::data_type type_;
+  dnnl::memory::data_type type_;              // of the linear layer
+  dnnl::memory::data_type convolution_type_;  // of weights and activations
+  const QuantizedNetwork* quantized_;         // while the program is made
+  std::size_t convolutions_ = 0;              // made so far
   float leaky_slope_;
   dnnl::engine engine_;
   dnnl::stream stream_;

@@ -10,6 +10,7 @@ torch::ScalarType ScalarTypeOf(Precision precision) {
   switch (precision) {
     case Precision::kBf16: return torch::kBFloat16;
     case Precision::kFp16: return torch::kFloat16;
+    case Precision::kInt8:
     case Precision::kFp32: break;
   }
   return torch::kFloat32;

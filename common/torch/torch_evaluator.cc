@@ -18,6 +18,9 @@ namespace {
 constexpr std::size_t kSlice = 32;
 
 void Validate(const TorchEvaluatorSettings& settings) {
+  if (settings.precision == Precision::kInt8) {
+    throw Error("torch evaluator: precision int8, expected fp32, bf16 or fp16");
+  }
   if (settings.device == TorchDevice::kCpu && settings.precision == Precision::kFp16) {
     throw Error("torch evaluator: precision fp16 on the cpu, expected fp32 or bf16");
   }

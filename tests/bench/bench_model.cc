@@ -62,7 +62,7 @@ std::vector<BenchFigure> BenchModel() {
   figures.push_back({"planes", PlanesRate(positions), "positions/s"});
   for (const char* const network : {"paper", "small"}) {
     const Snapshot snapshot = RandomWeights(NetworkByName(network), /*seed=*/1);
-    for (const Precision precision : {Precision::kFp32, Precision::kBf16}) {
+    for (const Precision precision : {Precision::kFp32, Precision::kBf16, Precision::kInt8}) {
       const auto evaluator = MakeOnednnEvaluator(snapshot, precision);
       for (const std::size_t batch : {1U, 8U, 32U, 128U}) {
         figures.push_back({StrCat(network, ", ", evaluator->name(), ", batch ", batch),

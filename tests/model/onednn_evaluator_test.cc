@@ -54,17 +54,37 @@ TEST_P(OnednnEvaluatorTest, Bf16IsClose) {
   EXPECT_LT(difference.value, 0.05F);
 }
 
+TEST_P(OnednnEvaluatorTest, Int8IsClose) {
+  const auto evaluator = MakeOnednnEvaluator(snapshot_, Precision::kInt8);
+  if (!HasInt8()) GTEST_SKIP() << "the processor has no VNNI";
+  EXPECT_EQ(evaluator->name(), "onednn int8");
+  ReferenceEvaluator reference(snapshot_);
+  const CanaryDifference difference =
+      Compare(EvaluateAll(*evaluator, positions_), EvaluateAll(reference, positions_));
+  EXPECT_LT(difference.policy, 0.05F);
+  EXPECT_LT(difference.value, 0.1F);
+}
+
+// Actors of one run agree on what a network says.
+TEST_P(OnednnEvaluatorTest, Int8IsTheSameForTheSameWeights) {
+  const auto one = MakeOnednnEvaluator(snapshot_, Precision::kInt8);
+  const auto other = MakeOnednnEvaluator(snapshot_, Precision::kInt8);
+  EXPECT_EQ(EvaluateAll(*one, positions_), EvaluateAll(*other, positions_));
+}
+
 // A position's answer does not depend on its neighbours in the batch beyond rounding.
 TEST_P(OnednnEvaluatorTest, EverySliceSizeGivesTheSameAnswers) {
-  const auto evaluator = MakeOnednnEvaluator(snapshot_, Precision::kFp32);
-  const std::vector<Evaluation> all = EvaluateAll(*evaluator, positions_);
-  for (std::size_t count = 0; count <= 9; ++count) {
-    const std::vector<Position> some(positions_.end() - static_cast<std::ptrdiff_t>(count),
-                                     positions_.end());
-    const CanaryDifference difference = Compare(
-        EvaluateAll(*evaluator, some), {all.end() - static_cast<std::ptrdiff_t>(count), all.end()});
-    EXPECT_LT(difference.policy, 1e-5F) << count;
-    EXPECT_LT(difference.value, 1e-5F) << count;
+  for (const Precision precision : {Precision::kFp32, Precision::kInt8}) {
+    const auto evaluator = MakeOnednnEvaluator(snapshot_, precision);
+    const std::vector<Evaluation> all = EvaluateAll(*evaluator, positions_);
+    for (std::size_t count = 0; count <= 9; ++count) {
+      const auto first = static_cast<std::ptrdiff_t>(all.size() - count);
+      const std::vector<Position> some(positions_.begin() + first, positions_.end());
+      const CanaryDifference difference =
+          Compare(EvaluateAll(*evaluator, some), {all.begin() + first, all.end()});
+      EXPECT_LT(difference.policy, 1e-5F) << evaluator->name() << count;
+      EXPECT_LT(difference.value, 1e-5F) << evaluator->name() << count;
+    }
   }
 }
 
