@@ -180,7 +180,7 @@ bool Search::Simulate(EvaluationBatch& batch) {
       return false;
     }
     const Action action = ChooseAction(index);
-    Tree::Visit(node, action);
+    tree_.Visit(index, action);
     const NodeIndex child = node.child[static_cast<std::size_t>(action)];
     if (child == kNoNode) {
       index = Expand(index, action);

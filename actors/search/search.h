@@ -77,6 +77,9 @@ class Search {
 
   [[nodiscard]] const SearchSettings& settings() const { return settings_; }
 
+  // As it stands; node 0 is the root. To look at, until the next call.
+  [[nodiscard]] const Tree& tree() const { return tree_; }
+
  private:
   // A question in the current batch: what `viewer` thinks of a node.
   struct Pending {

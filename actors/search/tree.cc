@@ -26,7 +26,10 @@ Tree::Tree(const SearchSettings& settings)
       c_puct_base_(settings.c_puct_base) {}
 
 void Tree::Reserve(std::size_t nodes, std::size_t visits) {
-  if (nodes_.size() < nodes) nodes_.resize(nodes);
+  if (nodes_.size() < nodes) {
+    nodes_.resize(nodes);
+    under_way_.resize(nodes);
+  }
   while (exploration_.size() <= visits) {
     const auto n = static_cast<double>(exploration_.size());
     const double c = c_puct_init_ + LogOnePlus((n + 1) / c_puct_base_);
@@ -123,16 +126,20 @@ Action Tree::Select(const Node& node) const {
   return static_cast<Action>(best);
 }
 
-void Tree::Visit(Node& node, Action action) {
+void Tree::Visit(NodeIndex index, Action action) {
+  Node& node = (*this)[index];
   const auto a = static_cast<std::size_t>(action);
+  ++under_way_[static_cast<std::size_t>(index)][a];
   ++node.visit_count;
   node.urge[a] = node.prior[a] / static_cast<float>(1 + ++node.visits[a]);
 }
 
 void Tree::Undo(NodeIndex node) {
   for (NodeIndex child = node; (*this)[child].parent != kNoNode; child = (*this)[child].parent) {
-    Node& parent = (*this)[(*this)[child].parent];
+    const NodeIndex index = (*this)[child].parent;
+    Node& parent = (*this)[index];
     const auto a = static_cast<std::size_t>((*this)[child].parent_action);
+    --under_way_[static_cast<std::size_t>(index)][a];
     --parent.visit_count;
     --parent.visits[a];
     RenewUrge(parent, a);
@@ -141,10 +148,12 @@ void Tree::Undo(NodeIndex node) {
 
 void Tree::BackUp(NodeIndex node, float value) {
   for (NodeIndex child = node; (*this)[child].parent != kNoNode; child = (*this)[child].parent) {
-    Node& parent = (*this)[(*this)[child].parent];
+    const NodeIndex index = (*this)[child].parent;
+    Node& parent = (*this)[index];
     const auto a = static_cast<std::size_t>((*this)[child].parent_action);
-    const auto visits = static_cast<float>(parent.visits[a]);
-    parent.value[a] = visits == 1 ? value : parent.value[a] + (value - parent.value[a]) / visits;
+    const std::uint32_t others_under_way = --under_way_[static_cast<std::size_t>(index)][a];
+    const auto ended = static_cast<float>(parent.visits[a] - others_under_way);
+    parent.value[a] = ended == 1 ? value : parent.value[a] + (value - parent.value[a]) / ended;
   }
 }
 

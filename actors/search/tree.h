@@ -36,8 +36,8 @@ struct alignas(64) Node {
   };
   static constexpr std::size_t kLanes = 8;
 
-  // Mean value of the simulations through the edge; the unvisited value before the first one;
-  // infinitely bad for the mover where the action is illegal.
+  // Mean value of the simulations through the edge that have ended; the unvisited value before the
+  // first one; infinitely bad for the mover where the action is illegal.
   std::array<float, kLanes> value;
   std::array<float, kLanes> urge;  // prior / (1 + visits)
   std::array<NodeIndex, kActionCount> child;
@@ -94,11 +94,13 @@ class Tree {
   // c(N) sqrt(N) of that rule.
   [[nodiscard]] float Exploration(std::size_t visits) const { return exploration_[visits]; }
 
-  // Counts a simulation under way through an edge.
-  static void Visit(Node& node, Action action);
-  // Takes back the visits from the root to `node`.
+  // Counts a simulation under way through an edge. It weighs in the choice of actions at once, in
+  // the edge's value not before its end (Liu et al. 2020, "Watch the unobserved").
+  void Visit(NodeIndex node, Action action);
+  // Takes back the visits of a simulation under way from the root to `node`.
   void Undo(NodeIndex node);
-  // Ends the simulation that was counted from the root to `node`: averages its value in.
+  // Ends the simulation that was counted from the root to `node`: averages its value in with those
+  // that ended before, whatever else is under way.
   void BackUp(NodeIndex node, float value);
   // Takes in that `node` is proven: closes the edge to it where its parent's mover would rather do
   // anything else; proves the parent where that mover would do nothing else, or has nothing else;
@@ -120,6 +122,9 @@ class Tree {
   double c_puct_base_;
   std::vector<Node> nodes_;  // the first size_ are in use; a child stands behind its parent
   NodeIndex size_ = 0;
+  // [node][action]: simulations through the edge that have not ended. All 0 while none is under
+  // way.
+  std::vector<std::array<std::uint16_t, kActionCount>> under_way_;
   std::vector<float> exploration_;   // [N]: c(N) sqrt(N)
   std::vector<NodeIndex> moved_to_;  // scratch of Keep
 };

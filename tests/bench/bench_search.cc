@@ -122,7 +122,7 @@ double NanosecondsToSelectAndBackUp(std::span<const State> positions) {
     std::uint64_t sum = 0;
     for (NodeIndex node = 0; node < kDepth; ++node) {
       sum += static_cast<std::uint64_t>(tree.Select(tree[node]));
-      Tree::Visit(tree[node], Action::kStop);
+      tree.Visit(node, Action::kStop);
     }
     tree.BackUp(kDepth, 0.5F);
     return sum;

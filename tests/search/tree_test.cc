@@ -23,7 +23,7 @@ Tree TreeWithRoot(const SearchSettings& settings, ActionSet legal, std::int8_t s
 }
 
 void Simulate(Tree& tree, NodeIndex node, Action action, float value) {
-  Tree::Visit(tree[node], action);
+  tree.Visit(node, action);
   NodeIndex child = tree[node].child[static_cast<std::size_t>(action)];
   if (child == kNoNode) {
     child = tree.Add(node, action);
@@ -105,13 +105,36 @@ TEST(Tree, BackUpAveragesAlongThePath) {
   Simulate(tree, 0, Action::kUp, 0.5F);
   const NodeIndex child = tree[0].child[1];
   for (const float value : {-1.0F, 1.0F, 1.0F}) {
-    Tree::Visit(tree[0], Action::kUp);
+    tree.Visit(0, Action::kUp);
     Simulate(tree, child, Action::kLeft, value);
   }
   EXPECT_EQ(tree[0].visits[1], 4U);
   EXPECT_FLOAT_EQ(tree[0].value[1], 0.375F);
   EXPECT_EQ(tree[child].visits[3], 3U);
   EXPECT_FLOAT_EQ(tree[child].value[3], 1 / 3.0F);
+}
+
+// A simulation weighs in an edge's value when it ends, not before.
+TEST(Tree, BackUpAveragesWhatHasEnded) {
+  Tree tree = TreeWithRoot({}, kAll);
+  Simulate(tree, 0, Action::kUp, 0.5F);
+  const NodeIndex child = tree[0].child[1];
+  for (const Action action : {Action::kStop, Action::kLeft, Action::kRight}) {
+    tree.Visit(0, Action::kUp);
+    tree.Visit(child, action);
+  }
+  const NodeIndex stop = tree.Add(child, Action::kStop);
+  const NodeIndex left = tree.Add(child, Action::kLeft);
+  const NodeIndex right = tree.Add(child, Action::kRight);
+  EXPECT_EQ(tree[0].visits[1], 4U) << "those under way count at once";
+  EXPECT_FLOAT_EQ(tree[0].value[1], 0.5F);
+  tree.BackUp(left, -1);
+  EXPECT_FLOAT_EQ(tree[0].value[1], -0.25F);
+  tree.Undo(right);
+  EXPECT_EQ(tree[0].visits[1], 3U);
+  tree.BackUp(stop, 1);
+  EXPECT_FLOAT_EQ(tree[0].value[1], 0.5F / 3);
+  EXPECT_EQ(tree[0].visits[1], 3U);
 }
 
 // Choosing among the visited actions and the next two unvisited by prior, as the predecessor does,
@@ -142,7 +165,7 @@ TEST(Tree, ChoosesAmongVisitedAndTheNextTwo) {
 
 // Adds a proven end below the root.
 void EndWith(Tree& tree, NodeIndex parent, Action action, std::int8_t proven) {
-  Tree::Visit(tree[parent], action);
+  tree.Visit(parent, action);
   const NodeIndex child = tree.Add(parent, action);
   tree[child].side = 1;
   tree[child].proven = proven;
@@ -161,6 +184,7 @@ TEST(Tree, LostActionsAreClosed) {
   }
   Tree::SetPriors(tree[0], kPolicy);
   EXPECT_EQ(tree.Select(tree[0]), Action::kStop) << "new priors do not open it";
+  tree.Visit(0, Action::kUp);
   tree.Undo(tree[0].child[1]);
   EXPECT_EQ(tree.Select(tree[0]), Action::kStop);
 }
@@ -204,7 +228,7 @@ TEST(Tree, UndoTakesVisitsBack) {
   Tree tree = TreeWithRoot({}, kAll);
   Simulate(tree, 0, Action::kUp, 0.5F);
   const Node before = tree[0];
-  Tree::Visit(tree[0], Action::kUp);
+  tree.Visit(0, Action::kUp);
   tree.Undo(before.child[1]);
   EXPECT_EQ(tree[0].visits, before.visits);
   EXPECT_EQ(tree[0].urge, before.urge);
