@@ -51,16 +51,18 @@ std::vector<std::string> Requests() {
   return requests;
 }
 
-std::unique_ptr<Evaluator> MakeEvaluators(const Snapshot& snapshot, int threads) {
+std::unique_ptr<Evaluator> MakeEvaluators(const Snapshot& snapshot, Precision precision,
+                                          int threads) {
   std::vector<std::unique_ptr<Evaluator>> evaluators;
   for (int i = 0; i < threads; ++i) {
-    evaluators.push_back(MakeOnednnEvaluator(snapshot, Precision::kBf16));
+    evaluators.push_back(MakeOnednnEvaluator(snapshot, precision));
   }
   return std::make_unique<ParallelEvaluator>(std::move(evaluators));
 }
 
-// The figures of one time and number of threads.
-std::vector<BenchFigure> Measure(const std::vector<std::string>& requests, milliseconds time,
+// The figures, named after `setting`, of one time and number of threads.
+std::vector<BenchFigure> Measure(const std::string& setting,
+                                 const std::vector<std::string>& requests, milliseconds time,
                                  std::shared_ptr<EvaluationCache> cache, int threads) {
   const int leaves = kLeavesPerThread * threads;
   AgentService service(
@@ -77,7 +79,7 @@ std::vector<BenchFigure> Measure(const std::vector<std::string>& requests, milli
   const auto misses = static_cast<double>(cache->misses() - misses_before);
   const ServiceStatistics served = service.statistics();
   const auto searches = static_cast<double>(served.searches);
-  const std::string name = StrCat(time.count(), "_ms.threads_", threads, ".");
+  const std::string name = StrCat(setting, ".", time.count(), "_ms.threads_", threads, ".");
   return {{name + "simulations", static_cast<double>(served.simulations) / searches, "a move"},
           {name + "evaluations", misses / searches, "a move"},
           {name + "from_memory", 100 * hits / (hits + misses), "% of questions"},
@@ -92,13 +94,16 @@ std::vector<BenchFigure> BenchClock() {
   log::Init(/*file=*/"", log::Level::kWarn);
   const Snapshot snapshot = LoadModel("untrained:paper");
   std::vector<BenchFigure> figures;
-  for (const int threads : {1, 2}) {
-    const auto cache =
-        std::make_shared<EvaluationCache>(MakeEvaluators(snapshot, threads), kCacheBytes);
-    for (const int time_ms : {100, 80}) {
-      cache->Clear();
-      const auto measured = Measure(requests, milliseconds(time_ms), cache, threads);
-      figures.insert(figures.end(), measured.begin(), measured.end());
+  for (const Precision precision : {Precision::kBf16, Precision::kInt8}) {
+    for (const int threads : {1, 2}) {
+      const auto cache = std::make_shared<EvaluationCache>(
+          MakeEvaluators(snapshot, precision, threads), kCacheBytes);
+      for (const int time_ms : {100, 80}) {
+        cache->Clear();
+        const auto measured = Measure(std::string(NameOf(precision)), requests,
+                                      milliseconds(time_ms), cache, threads);
+        figures.insert(figures.end(), measured.begin(), measured.end());
+      }
     }
   }
   return figures;
