@@ -109,11 +109,11 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
                  "recorded games (.jsonl, .jsonl.gz) or a segment of a run (replay/segment-*.h5)")
       ->required();
   app.add_option("--game", arguments.game, "number of the game in the file, from 0")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0, 1'000'000'000));
   app.add_option("--step", arguments.step, "show only the position after so many steps")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0, 1'000'000));
   app.add_option("--delay-ms", arguments.delay_ms, "between two steps on a terminal (200)")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0, 60'000));
   app.add_option("--export", arguments.export_file,
                  "write the game (without --game: all games) in the recorded format instead");
 }

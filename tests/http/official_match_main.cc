@@ -36,9 +36,9 @@ struct Arguments {
 
 void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--url", arguments.urls, "one or more servers; each plays one game at a time");
-  app.add_option("--games", arguments.games)->check(CLI::PositiveNumber);
+  app.add_option("--games", arguments.games)->check(CLI::Range(1, 1'000'000));
   app.add_option("--minutes", arguments.minutes, "after which no game begins; 0: no limit")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0, 100'000));
   app.add_option("--environment", arguments.environment, KnownEnvironmentIds());
   app.add_option("--opponents", arguments.opponents,
                  "policies of the seats that follow the agent's; the last one fills the rest")
