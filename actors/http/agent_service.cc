@@ -7,6 +7,9 @@
 
 #include "common/base/check.h"
 #include "common/base/log.h"
+#include "common/base/rng.h"
+#include "common/policies/policy.h"
+#include "common/pommerman/belief.h"
 #include "common/pommerman/generate.h"
 #include "common/pommerman/step.h"
 
@@ -44,13 +47,24 @@ ServiceReply Played(Mode mode, const Observation& observation, Action action) {
   return {.body = Json{{"action", {number, words[0], words[1]}}}.dump()};
 }
 
+// What to play while the agent has no idea: a rule's action, which knows this observation alone.
+Action StandIn(const ActionRequest& request, Rng rng) {
+  Belief belief(request.settings, {});
+  belief.Observe(request.observation);
+  const PolicyView view{belief.state(), request.settings, belief.self(), belief.visible()};
+  const PolicyTraits traits = PolicyTraits::Draw(rng);
+  PolicyMemory memory;
+  const Action action = Decide(PolicyKind::kSimpleUnbiased, view, traits, memory, rng);
+  // The rule also runs into walls, which is a stop.
+  const bool legal = (LegalActions(view.state, view.self) >> static_cast<int>(action) & 1) != 0;
+  return legal ? action : Action::kStop;
+}
+
 }  // namespace
 
 AgentService::AgentService(std::unique_ptr<Agent> agent, std::shared_ptr<Evaluator> evaluator,
                            const ServiceSettings& settings)
-    : settings_(settings), agent_(std::move(agent)), evaluator_(std::move(evaluator)) {
-  CHECK(agent_ != nullptr && evaluator_ != nullptr);
-}
+    : settings_(settings), thinker_(std::move(agent), std::move(evaluator)) {}
 
 void AgentService::WarmUp() {
   constexpr int kMoves = 4;
@@ -59,18 +73,18 @@ void AgentService::WarmUp() {
 }
 
 void AgentService::Rehearse(const GameSettings& settings, int moves, Clock::duration time) {
-  const ServiceStatistics counted = statistics_;
   State state = GenerateStart(settings, {}, Rng(settings_.seed));
-  agent_->StartGame(settings, /*self=*/0, Rng(settings_.seed));
   for (int move = 0; move < moves && state.agents[0].alive; ++move) {
-    agent_->Begin(powderkeg::Observe(settings, state, 0));
-    const Action action = Think(settings, Clock::now() + time);
+    Briefing briefing{.settings = settings,
+                      .observation = powderkeg::Observe(settings, state, /*self=*/0)};
+    if (move == 0) briefing.new_game = Rng(settings_.seed);
+    thinker_.Start(briefing, Clock::now() + time);
+    const Thought thought = thinker_.Await(kNever);
     // The others do what the agent expects: so its tree is reused.
-    JointAction actions = agent_->move_statistics().prediction;
-    actions[0] = action;
+    JointAction actions = thought.statistics.prediction;
+    actions[0] = thought.action.value();
     Step(settings, actions, state);
   }
-  statistics_ = counted;
 }
 
 ServiceReply AgentService::Ping() const { return Success(); }
@@ -97,13 +111,17 @@ ServiceReply AgentService::Act(std::string_view body, Clock::time_point arrival)
   if (const std::string conflict = Conflict(request); !conflict.empty()) {
     return Refused(409, conflict);
   }
-  Observe(request);
-  const Clock::time_point began = Clock::now();
-  const bool timed = settings_.move_time.count() > 0;
-  const Action action = Think(request.settings, timed ? arrival + settings_.move_time : kNever);
-  Count({.read = Between(arrival, understood),
-         .observe = Between(understood, began),
-         .think = Between(began, Clock::now())});
+  const Clock::time_point deadline =
+      settings_.move_time.count() > 0 ? arrival + settings_.move_time : kNever;
+  thinker_.Start(Observe(request), deadline);
+  const Thought thought = thinker_.Await(deadline);
+  const Action action =
+      thought.action ? *thought.action : StandIn(request, Rng(settings_.seed).Split(game_->step));
+  const Clock::time_point answered = Clock::now();
+  const Clock::time_point began = thought.began.value_or(answered);
+  Count(thought, {.read = Between(arrival, understood),
+                  .wait = Between(understood, began),
+                  .think = Between(began, answered)});
   return Played(request.settings.mode, request.observation, action);
 }
 
@@ -155,21 +173,21 @@ std::string AgentService::Conflict(const ActionRequest& request) const {
   return {};
 }
 
-void AgentService::Observe(const ActionRequest& request) {
+Briefing AgentService::Observe(const ActionRequest& request) {
   const Observation& observation = request.observation;
+  Briefing briefing{.settings = request.settings, .observation = observation};
   const bool follows = game_ && game_->settings == request.settings &&
                        game_->self == observation.self && game_->step + 1 == observation.step;
   if (!follows) {
-    const Rng rng = Rng(settings_.seed).Split(statistics_.games++);
-    agent_->StartGame(request.settings, observation.self, rng);
+    briefing.new_game = Rng(settings_.seed).Split(statistics_.games++);
     game_ = Game{.settings = request.settings, .self = observation.self, .step = 0, .mate = {}};
   }
   game_->step = observation.step;
-  if (request.settings.mode == Mode::kTeamRadio) ListenToMate(observation);
-  agent_->Begin(observation);
+  if (request.settings.mode == Mode::kTeamRadio) briefing.mate = ListenToMate(observation);
+  return briefing;
 }
 
-void AgentService::ListenToMate(const Observation& observation) {
+std::optional<Cell> AgentService::ListenToMate(const Observation& observation) {
   MateTracker& mate = game_->mate;
   mate.Hear(observation.step, observation.message);
   const auto seen = std::ranges::find(observation.board,
@@ -177,34 +195,23 @@ void AgentService::ListenToMate(const Observation& observation) {
   if (seen != observation.board.end()) {
     mate.See(observation.step, static_cast<Cell>(seen - observation.board.begin()));
   }
-  if (const auto cell = mate.cell()) agent_->HearMate(*cell);
+  return mate.cell();
 }
 
-Action AgentService::Think(const GameSettings& settings, Clock::time_point deadline) {
-  Clock::duration longest_round{0};
-  Clock::time_point now = Clock::now();
-  while (agent_->Gather(batch_)) {
-    evaluator_->Evaluate(settings, batch_.positions(), batch_.AllocateEvaluations());
-    agent_->Scatter(batch_);
-    statistics_.evaluations += batch_.size();
-    batch_.Clear();
-    const Clock::time_point before = std::exchange(now, Clock::now());
-    longest_round = std::max(longest_round, now - before);
-    if (now + longest_round > deadline) break;
-  }
-  return agent_->action();
-}
-
-void AgentService::Count(const MoveTimes& times) {
+void AgentService::Count(const Thought& thought, const MoveTimes& times) {
   ++statistics_.moves;
-  const std::uint32_t simulations = agent_->move_statistics().simulations;
+  const std::uint32_t simulations = thought.statistics.simulations;
   if (simulations > 0) ++statistics_.searches;
   statistics_.simulations += simulations;
+  statistics_.evaluations += thought.evaluations;
+  if (!thought.finished) ++statistics_.cut_short;
+  if (!thought.action) ++statistics_.stand_ins;
   if (times.total() > statistics_.slowest_move.total()) statistics_.slowest_move = times;
-  if (times.total() <= kPublishedMoveTime) return;
-  ++statistics_.late_moves;
-  log::Debug("late move", "step", game_->step, "simulations", simulations, "read_us",
-             times.read.count(), "observe_us", times.observe.count(), "think_us",
+  const bool late = times.total() > kPublishedMoveTime;
+  if (late) ++statistics_.late_moves;
+  if (!late && thought.finished) return;
+  log::Debug(late ? "late move" : "move cut short", "step", game_->step, "simulations", simulations,
+             "read_us", times.read.count(), "wait_us", times.wait.count(), "think_us",
              times.think.count());
 }
 

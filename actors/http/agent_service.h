@@ -12,8 +12,8 @@
 
 #include "actors/http/observation_json.h"
 #include "actors/http/radio_code.h"
+#include "actors/http/thinker.h"
 #include "actors/play/agent.h"
-#include "common/base/rng.h"
 #include "common/model/evaluator.h"
 
 namespace powderkeg {
@@ -26,20 +26,19 @@ struct ServiceReply {
 };
 
 struct ServiceSettings {
-  // From the arrival of a request for an action to its answer; 0: as long as the search takes. No
-  // round of questions begins that would, as long as the longest so far, end later; but one is
-  // always waited for.
+  // From the arrival of a request for an action to its answer, which is then the best action of the
+  // rounds that have ended (thinker.h); 0: as long as the search takes.
   std::chrono::milliseconds move_time{0};
   std::uint64_t seed = 1;
 };
 
 // Where the time of a move went.
 struct MoveTimes {
-  std::chrono::microseconds read{0};     // from the arrival of the request to its observation
-  std::chrono::microseconds observe{0};  // waiting for other requests, then the agent's Begin
-  std::chrono::microseconds think{0};
+  std::chrono::microseconds read{0};   // from the arrival of the request to its observation
+  std::chrono::microseconds wait{0};   // for earlier requests and the agent's last round for them
+  std::chrono::microseconds think{0};  // the observation taken in and thought about
 
-  [[nodiscard]] std::chrono::microseconds total() const { return read + observe + think; }
+  [[nodiscard]] std::chrono::microseconds total() const { return read + wait + think; }
 };
 
 // What the published rules allow an agent for a move.
@@ -50,9 +49,11 @@ struct ServiceStatistics {
   std::uint64_t games = 0;
   std::uint64_t moves = 0;
   std::uint64_t late_moves = 0;   // over kPublishedMoveTime
+  std::uint64_t cut_short = 0;    // answered because the time was up, with what there was
+  std::uint64_t stand_ins = 0;    // of these: there was nothing, SimpleUnbiased chose
   std::uint64_t searches = 0;     // moves with simulations
-  std::uint64_t simulations = 0;  // of all searches
-  std::uint64_t evaluations = 0;  // that the agent asked for
+  std::uint64_t simulations = 0;  // of all searches, until they were answered
+  std::uint64_t evaluations = 0;  // that the agent asked for until then
   std::uint64_t refused = 0;      // requests answered with an error
   MoveTimes slowest_move;
 };
@@ -75,7 +76,8 @@ class AgentService {
 
   // Does not wait for a request that is being served.
   [[nodiscard]] ServiceReply Ping() const;
-  // Each takes the body of the request. 400: not understood; 409: not now.
+  // Each takes the body of the request. 400: not understood; 409: not now. What the evaluator
+  // throws for a move is thrown here.
   [[nodiscard]] ServiceReply InitAgent(std::string_view body);
   [[nodiscard]] ServiceReply Act(std::string_view body, Clock::time_point arrival = Clock::now());
   [[nodiscard]] ServiceReply EndEpisode(std::string_view body);
@@ -99,23 +101,19 @@ class AgentService {
   // Why the request does not fit the last InitAgent; empty if it does.
   [[nodiscard]] std::string Conflict(const ActionRequest& request) const;
   // Takes the observation into the game, a new one if it does not follow.
-  void Observe(const ActionRequest& request);
-  // Takes in what the mate says (radio games) and tells the agent where it must be.
-  void ListenToMate(const Observation& observation);
+  [[nodiscard]] Briefing Observe(const ActionRequest& request);
+  // Takes in what the mate says (radio games); where it must be.
+  [[nodiscard]] std::optional<Cell> ListenToMate(const Observation& observation);
   // Plays `moves` moves of a game with itself, `time` each at most.
   void Rehearse(const GameSettings& settings, int moves, Clock::duration time);
-  // Lets the agent think until it is done or no other round would end before the deadline.
-  [[nodiscard]] Action Think(const GameSettings& settings, Clock::time_point deadline);
-  void Count(const MoveTimes& times);
+  void Count(const Thought& thought, const MoveTimes& times);
 
   const ServiceSettings settings_;
   mutable std::mutex mutex_;  // guards what follows
-  std::unique_ptr<Agent> agent_;
-  std::shared_ptr<Evaluator> evaluator_;
-  EvaluationBatch batch_;
   std::optional<InitRequest> init_;
   std::optional<Game> game_;
   ServiceStatistics statistics_;
+  Thinker thinker_;
 };
 
 }  // namespace powderkeg

@@ -6,10 +6,14 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "actors/play/factory.h"
+#include "common/base/check.h"
 #include "common/pommerman/generate.h"
+#include "common/pommerman/step.h"
+#include "tests/http/gated_evaluator.h"
 #include "tests/http/runner_json.h"
 #include "tests/http/scripted_agent.h"
 
@@ -21,6 +25,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 constexpr const char* kSuccess = R"({"success":true})";
+constexpr int kEndless = std::numeric_limits<int>::max();
 constexpr const char* kReward = R"({"reward": "-1"})";
 
 class AgentServiceTest : public ::testing::Test {
@@ -28,7 +33,7 @@ class AgentServiceTest : public ::testing::Test {
   // A service around an agent that asks `rounds` times a move.
   std::unique_ptr<AgentService> Serve(int rounds, const ServiceSettings& settings = {}) {
     return std::make_unique<AgentService>(std::make_unique<ScriptedAgent>(diary_, rounds),
-                                          std::make_shared<UniformEvaluator>(), settings);
+                                          evaluator_, settings);
   }
   std::string Body(AgentId agent, int step, const GameSettings& settings = {}) const {
     State state = GenerateStart(settings, {}, Rng(3));
@@ -38,6 +43,7 @@ class AgentServiceTest : public ::testing::Test {
   }
 
   AgentDiary diary_;
+  std::shared_ptr<GatedEvaluator> evaluator_ = std::make_shared<GatedEvaluator>();
 };
 
 TEST_F(AgentServiceTest, PlaysAGameInTheRunnersOrder) {
@@ -120,8 +126,7 @@ TEST_F(AgentServiceTest, RefusesWhatItCannotRead) {
 }
 
 TEST_F(AgentServiceTest, AnswersInTimeWithWhatItHas) {
-  const auto service =
-      Serve(std::numeric_limits<int>::max(), {.move_time = milliseconds(20), .seed = 1});
+  const auto service = Serve(kEndless, {.move_time = milliseconds(20), .seed = 1});
   (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
   const auto start = AgentService::Clock::now();
   EXPECT_EQ(service->Act(Body(0, 0)).status, 200);
@@ -129,13 +134,90 @@ TEST_F(AgentServiceTest, AnswersInTimeWithWhatItHas) {
   EXPECT_GT(service->statistics().evaluations, 1U);
 }
 
-TEST_F(AgentServiceTest, ALateRequestStillGetsOneEvaluation) {
-  const auto service =
-      Serve(std::numeric_limits<int>::max(), {.move_time = milliseconds(1), .seed = 1});
+TEST_F(AgentServiceTest, ABlockedEvaluatorDoesNotHoldUpTheAnswer) {
+  const auto service = Serve(kEndless, {.move_time = milliseconds(300)});
   (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
+  evaluator_->CloseAfter(2);
+  EXPECT_EQ(service->Act(Body(0, 0)).body, R"({"action":5})") << "the agent's, after two rounds";
+  ServiceStatistics statistics = service->statistics();
+  EXPECT_EQ(statistics.cut_short, 1U);
+  EXPECT_EQ(statistics.stand_ins, 0U);
+  EXPECT_EQ(statistics.late_moves, 1U) << "300 ms are more than 100";
+  EXPECT_EQ(statistics.evaluations, 2U);
+  EXPECT_GE(statistics.slowest_move.total(), milliseconds(300));
+  evaluator_->Open();
+  EXPECT_EQ(service->Act(Body(0, 1)).status, 200);
+  statistics = service->statistics();
+  EXPECT_EQ(statistics.moves, 2U);
+  EXPECT_GT(statistics.evaluations, 3U);
+}
+
+// Request after request while the first one's round does not end.
+TEST_F(AgentServiceTest, WithoutAnEndedRoundARuleStandsIn) {
+  const auto service = Serve(/*rounds=*/3, {.move_time = milliseconds(20)});
+  (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
+  evaluator_->CloseAfter(0);
+  for (int step = 0; step < 3; ++step) EXPECT_EQ(service->Act(Body(0, step)).status, 200);
+  EXPECT_EQ(service->statistics().stand_ins, 3U);
+  EXPECT_EQ(service->statistics().cut_short, 3U);
+  EXPECT_EQ(service->statistics().evaluations, 0U);
+  EXPECT_EQ(service->EndEpisode(kReward).status, 200) << "needs no agent";
+  evaluator_->Open();
+  const auto arrival = AgentService::Clock::now() + std::chrono::seconds(1);  // enough time
+  EXPECT_EQ(service->Act(Body(0, 0), arrival).body, R"({"action":5})");
+  EXPECT_EQ(service->statistics().stand_ins, 3U);
+}
+
+TEST_F(AgentServiceTest, AStandInsActionsAreLegal) {
+  const auto service = Serve(kEndless, {.move_time = milliseconds(1)});
+  (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
+  evaluator_->CloseAfter(0);
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Rng rng(seed);
+    State state = GenerateStart({}, {}, Rng(seed));
+    for (int step = 0; step < 8 && state.agents[0].alive; ++step) {
+      const std::string body = ActionBody({}, Observe({}, state, 0));
+      const int action = nlohmann::json::parse(service->Act(body).body)["action"];
+      EXPECT_NE(LegalActions(state, 0) >> action & 1, 0) << "seed " << seed << ", step " << step;
+      JointAction actions{static_cast<Action>(action)};
+      for (AgentId id = 1; id < kAgentCount; ++id) actions[id] = static_cast<Action>(rng.Below(6));
+      Step({}, actions, state);
+    }
+  }
+  EXPECT_EQ(service->statistics().stand_ins, service->statistics().moves);
+  evaluator_->Open();
+}
+
+TEST_F(AgentServiceTest, ALateRequestIsAnsweredAtOnce) {
+  const auto service = Serve(kEndless, {.move_time = milliseconds(1)});
+  (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
+  evaluator_->CloseAfter(0);
   const auto arrival = AgentService::Clock::now() - std::chrono::seconds(1);
   EXPECT_EQ(service->Act(Body(0, 0), arrival).status, 200);
-  EXPECT_EQ(service->statistics().evaluations, 1U);
+  EXPECT_EQ(service->statistics().stand_ins, 1U);
+  evaluator_->Open();
+}
+
+TEST_F(AgentServiceTest, WithoutAClockAnAnswerIsWaitedFor) {
+  const auto service = Serve(/*rounds=*/3);
+  (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
+  evaluator_->CloseAfter(1);
+  const std::jthread opener([this] {
+    evaluator_->AwaitCall();
+    evaluator_->Open();
+  });
+  EXPECT_EQ(service->Act(Body(0, 0)).body, R"({"action":5})");
+  EXPECT_EQ(service->statistics().cut_short, 0U);
+  EXPECT_EQ(service->statistics().evaluations, 3U);
+}
+
+TEST_F(AgentServiceTest, AFailureIsThrownToTheRequestAndTheNextIsServed) {
+  const auto service = Serve(/*rounds=*/3);
+  (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
+  evaluator_->FailAfter(1, std::make_exception_ptr(Error("no answer")));
+  EXPECT_THROW((void)service->Act(Body(0, 0)), Error);
+  EXPECT_EQ(service->Act(Body(0, 1)).body, R"({"action":5})");
+  EXPECT_EQ(service->statistics().moves, 1U);
 }
 
 TEST_F(AgentServiceTest, WarmingUpPlaysAFewMovesThatDoNotCount) {
@@ -151,8 +233,7 @@ TEST_F(AgentServiceTest, WarmingUpPlaysAFewMovesThatDoNotCount) {
 }
 
 TEST_F(AgentServiceTest, UnderAClockTheFirstGameOfAModeIsRehearsed) {
-  const auto service =
-      Serve(std::numeric_limits<int>::max(), {.move_time = milliseconds(1), .seed = 1});
+  const auto service = Serve(kEndless, {.move_time = milliseconds(1), .seed = 1});
   (void)service->InitAgent(InitBody(3, Mode::kTeamRadio));
   EXPECT_EQ(diary_.settings, GameSettingsFor("PommeRadioCompetition-v2"));
   EXPECT_THAT(diary_.games, ElementsAre(0));

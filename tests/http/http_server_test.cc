@@ -16,6 +16,7 @@
 #include "common/base/check.h"
 #include "common/model/evaluation_cache.h"
 #include "common/pommerman/generate.h"
+#include "tests/http/gated_evaluator.h"
 #include "tests/http/official_runner.h"
 #include "tests/http/runner_json.h"
 #include "tests/http/scripted_agent.h"
@@ -237,6 +238,23 @@ TEST_F(HttpServerTest, WaitingForAThreadCountsAsTimeOfTheMove) {
   EXPECT_EQ(result->status, 200);
   EXPECT_GT(service_->statistics().slowest_move.read, milliseconds(30));
   (void)ReadToEnd(silent);
+}
+
+TEST(HttpServerOfASearch, AnEvaluatorThatFailsIsReportedAndTheServerGoesOn) {
+  const auto evaluator = std::make_shared<GatedEvaluator>();
+  const Seat seat = SeatFor("search:simulations=20", {}, evaluator);
+  (void)seat.service->InitAgent(InitBody(0, Mode::kFreeForAll));
+  evaluator->FailAfter(1, std::make_exception_ptr(Error("the device is lost")));
+  const State state = GenerateStart(GameSettings{}, {}, Rng(1));
+  const std::string body = ActionBody(GameSettings{}, Observe(GameSettings{}, state, 0));
+  httplib::Client client("127.0.0.1", seat.server->port());
+  const auto failed = client.Post("/action", body, "application/json");
+  ASSERT_TRUE(failed);
+  EXPECT_EQ(failed->status, 500);
+  EXPECT_EQ(failed->body, R"({"error":"the device is lost"})");
+  const auto result = client.Post("/action", body, "application/json");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, 200);
 }
 
 TEST_F(HttpServerTest, SurvivesWhatIsNoHttp) {

@@ -2,6 +2,10 @@
 
 // An agent that asks as often as it is told to and writes down what happens to it.
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "actors/play/agent.h"
@@ -17,10 +21,12 @@ struct AgentDiary {
   GameSettings settings;       // of the last game
 };
 
-// Asks `rounds` times about a start position before each move, then stops.
+// Asks `rounds` times about a start position before each move, then stops. After n rounds of a move
+// actions[n] is the best, or the last one. Calls that an agent does not expect fail the test.
 class ScriptedAgent final : public Agent {
  public:
-  ScriptedAgent(AgentDiary& diary, int rounds) : diary_(diary), rounds_(rounds) {}
+  ScriptedAgent(AgentDiary& diary, int rounds, std::vector<Action> actions = {Action::kBomb})
+      : diary_(diary), rounds_(rounds), actions_(std::move(actions)) {}
 
   void StartGame(const GameSettings& settings, AgentId self, Rng /*rng*/) override {
     diary_.games.push_back(self);
@@ -28,24 +34,37 @@ class ScriptedAgent final : public Agent {
   }
   void HearMate(Cell cell) override { diary_.mates.push_back(cell); }
   void Begin(const Observation& observation) override {
+    EXPECT_FALSE(asks_) << "Begin between Gather and Scatter";
     diary_.steps.push_back(observation.step);
-    left_ = rounds_;
+    made_ = 0;
+    decided_ = false;
   }
   bool Gather(EvaluationBatch& batch) override {
-    if (left_ == 0) return false;
-    --left_;
+    EXPECT_FALSE(asks_) << "Gather before Scatter";
+    decided_ = made_ == rounds_;
+    if (decided_) return false;
+    asks_ = true;
     batch.Add({.state = &state_, .viewer = 0});
     return true;
   }
   void Scatter(const EvaluationBatch& batch) override {
-    diary_.rounds += static_cast<int>(batch.size());
+    EXPECT_EQ(batch.size(), 1U);
+    asks_ = false;
+    ++made_;
+    ++diary_.rounds;
   }
-  [[nodiscard]] Action action() const override { return Action::kBomb; }
+  [[nodiscard]] Action action() const override {
+    EXPECT_TRUE(decided_ || (made_ > 0 && !asks_)) << "action() before there is one";
+    return actions_[std::min(static_cast<std::size_t>(made_), actions_.size() - 1)];
+  }
 
  private:
   AgentDiary& diary_;
   int rounds_;
-  int left_ = 0;
+  std::vector<Action> actions_;
+  int made_ = 0;          // rounds of this move
+  bool asks_ = false;     // between Gather and Scatter
+  bool decided_ = false;  // Gather returned false
   State state_{};
 };
 
