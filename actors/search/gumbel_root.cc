@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <initializer_list>
 #include <limits>
 #include <span>
 
@@ -37,6 +38,14 @@ double MixedValue(const RootStatistics& root) {
   }
   const auto evaluation = static_cast<double>(root.evaluation);
   return visits == 0 ? evaluation : (evaluation + visits * weighted / priors) / (1 + visits);
+}
+
+// The legal ones of the first set that has any; else all that are legal.
+ActionSet StillLegal(std::initializer_list<ActionSet> sets, const RootStatistics& root) {
+  for (const ActionSet actions : sets) {
+    if ((actions & root.legal) != 0) return static_cast<ActionSet>(actions & root.legal);
+  }
+  return root.legal;
 }
 
 // sigma of the completed values.
@@ -75,31 +84,46 @@ void SequentialHalving::Start(const SearchSettings& settings, const RootStatisti
                               Rng& rng) {
   c_visit_ = settings.gumbel_c_visit;
   c_scale_ = settings.gumbel_c_scale;
-  simulations_ = settings.simulations;
+  repeats_ = settings.gumbel_first_halving > 0;
+  simulations_ = repeats_ ? std::min(settings.gumbel_first_halving, settings.simulations)
+                          : settings.simulations;
   for (std::size_t a = 0; a < kActionCount; ++a) {
     urges_[a] = LogPrior(root, a);
     if (settings.gumbel_scale > 0) urges_[a] += settings.gumbel_scale * GumbelNumber(rng);
   }
-  Consider(root.legal, urges_, std::min(settings.gumbel_considered, simulations_));
-  phases_ = std::max(1, static_cast<int>(std::bit_width(static_cast<unsigned>(count_ - 1))));
-  BeginPhase();
+  Consider(root.legal, urges_, std::min(settings.gumbel_considered, settings.simulations));
+  candidates_ = leaders_ = considered_;
+  BeginHalving();
 }
 
 Action SequentialHalving::Next(const RootStatistics& root) {
   if ((considered_ & ~root.legal) != 0) {
-    const auto left = static_cast<ActionSet>(considered_ & root.legal);
-    Consider(left != 0 ? left : root.legal, ScoresOf(root), kActionCount);
-    BeginPhase();
+    LeaveOutLost(root);
   } else if (phase_is_over()) {
-    Consider(considered_, ScoresOf(root), std::max(2, count_ / 2));
-    BeginPhase();
+    EndPhase(root);
   }
   return static_cast<Action>(order_[static_cast<std::size_t>(next_++ % count_)]);
 }
 
+void SequentialHalving::LeaveOutLost(const RootStatistics& root) {
+  Consider(StillLegal({considered_}, root), ScoresOf(root), kActionCount);
+  BeginPhase();
+}
+
+void SequentialHalving::EndPhase(const RootStatistics& root) {
+  if (repeats_ && count_ <= 2) {
+    simulations_ *= 2;
+    Consider(StillLegal({candidates_}, root), ScoresOf(root), kActionCount);
+    BeginHalving();
+    return;
+  }
+  Consider(considered_, ScoresOf(root), std::max(2, count_ / 2));
+  leaders_ = considered_;
+  BeginPhase();
+}
+
 Action SequentialHalving::Best(const RootStatistics& root) const {
-  const auto left = static_cast<ActionSet>(considered_ & root.legal);
-  ActionSet candidates = left != 0 ? left : root.legal;
+  ActionSet candidates = StillLegal({leaders_, considered_}, root);
   ActionSet visited = 0;
   for (std::size_t a = 0; a < kActionCount; ++a) {
     if (Has(candidates, a) && root.visits[a] > 0) visited |= static_cast<ActionSet>(1U << a);
@@ -136,8 +160,13 @@ void SequentialHalving::Consider(ActionSet actions, const Scores& scores, int mo
   }
 }
 
-// All phases have about as many simulations: simulations / ceil(log2 of the actions considered at
-// first). What is left after the last one goes to the last two actions.
+void SequentialHalving::BeginHalving() {
+  phases_ = std::max(1, static_cast<int>(std::bit_width(static_cast<unsigned>(count_ - 1))));
+  BeginPhase();
+}
+
+// All phases of a halving have about as many simulations: simulations / ceil(log2 of the actions
+// considered at first). What is left after the last one goes to the last two actions.
 void SequentialHalving::BeginPhase() {
   next_ = 0;
   phase_end_ = count_ * std::max(1, simulations_ / (phases_ * count_));

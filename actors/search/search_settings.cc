@@ -85,6 +85,8 @@ const std::vector<OptionRow>& Table() {
       {"root", ChoiceOf<&S::root>(kRootNames), "how the root shares its simulations out"},
       {"gumbel_considered", Whole{&S::gumbel_considered, 1, 6},
        "root=gumbel: actions that sequential halving begins with"},
+      {"gumbel_first_halving", Whole{&S::gumbel_first_halving, 0, 1'000'000},
+       "root=gumbel: simulations of the first of many halvings, each twice as long; 0: one of all"},
       {"gumbel_scale", Real{&S::gumbel_scale, 0, 10}, "root=gumbel: of the noise; 0: none"},
       {"gumbel_c_visit", Real{&S::gumbel_c_visit, 0, 1e6},
        "root=gumbel: visits beside which an action's own weigh little"},

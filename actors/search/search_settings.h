@@ -83,7 +83,10 @@ struct SearchSettings {
 
   // Root.
   RootSearch root = RootSearch::kPuct;
-  int gumbel_considered = 6;   // actions that sequential halving begins with; 6: all legal ones
+  int gumbel_considered = 6;  // actions that sequential halving begins with; 6: all legal ones
+  // Simulations of the first of many halvings, each of twice as many as the one before: for a
+  // search that a clock will end, nobody knows when. 0: one halving of all simulations.
+  int gumbel_first_halving = 0;
   double gumbel_scale = 1;     // of the Gumbel numbers; 0: none, for the strongest move
   double gumbel_c_visit = 50;  // as published for board games, as c_scale is
   double gumbel_c_scale = 1;

@@ -167,6 +167,75 @@ TEST(SequentialHalving, TakesASimulationBack) {
   EXPECT_EQ(halving.Next(kRoot), Action::kUp);
 }
 
+// --- One halving after another -------------------------------------------------------------------
+
+SearchSettings Repeating(int first_halving, int simulations) {
+  SearchSettings settings = Considering(6, simulations);
+  settings.gumbel_first_halving = first_halving;
+  return settings;
+}
+
+constexpr std::array<float, kActionCount> kValues = {-0.5F, 0.1F, -0.2F, 0.5F, -0.9F, 0.3F};
+
+// 60 simulations: 3 for each of six, 6 for each of three, 10 for each of two. 120: 6, 13 and 20.
+TEST(SequentialHalving, RepeatsWithTwiceAsMany) {
+  SequentialHalving halving;
+  EXPECT_THAT(Share(Repeating(60, 56), kRoot, kValues, halving), ElementsAre(3, 9, 3, 19, 3, 19));
+  EXPECT_THAT(Share(Repeating(60, 56 + 115), kRoot, kValues, halving),
+              ElementsAre(9, 28, 9, 58, 9, 58));
+}
+
+TEST(SequentialHalving, FirstHalvingMayBeShort) {
+  SequentialHalving halving;
+  const Counts visits = Share(Repeating(1, 300), kRoot, kValues, halving);
+  EXPECT_THAT(visits, testing::Each(testing::Gt(0U)));
+  EXPECT_GT(visits[3], 80U);
+}
+
+TEST(SequentialHalving, ServesTheBestWheneverItIsCut) {
+  for (int cut = 64; cut < 3000; cut += 7) {
+    SequentialHalving halving;
+    RootStatistics root = kRoot;
+    root.visits = Share(Repeating(64, cut), kRoot, kValues, halving);
+    root.values = kValues;
+    ASSERT_EQ(halving.Best(root), Action::kLeft) << cut;
+    ASSERT_GE(root.visits[3] * 4, static_cast<unsigned>(cut)) << cut;
+  }
+}
+
+// Of six actions that win or lose, the fourth wins a little more often.
+bool FindsTheLuckiest(const SearchSettings& settings, int cut, Rng rng) {
+  RootStatistics root;
+  root.priors.fill(1.0F / kActionCount);
+  SequentialHalving halving;
+  halving.Start(settings, root, rng);
+  for (int i = 0; i < cut; ++i) {
+    const auto a = static_cast<std::size_t>(halving.Next(root));
+    const float value = rng.Uniform() < (a == 3 ? 0.6 : 0.5) ? 1.0F : -1.0F;
+    root.values[a] += (value - root.values[a]) / static_cast<float>(++root.visits[a]);
+  }
+  return halving.Best(root) == Action::kLeft;
+}
+
+int LuckiestFound(const SearchSettings& settings, int cut) {
+  int found = 0;
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    found += FindsTheLuckiest(settings, cut, Rng(seed)) ? 1 : 0;
+  }
+  return found;
+}
+
+// A clock leaves some hundred of 20,000 simulations: one halving of all would never choose.
+TEST(SequentialHalving, CutShortRepeatingFindsMoreThanOneOfAll) {
+  for (const int cut : {500, 900}) {
+    const int known = LuckiestFound(Considering(6, cut), cut);
+    const int repeating = LuckiestFound(Repeating(64, 20'000), cut);
+    const int one_of_all = LuckiestFound(Considering(6, 20'000), cut);
+    EXPECT_GT(repeating, one_of_all + 20) << cut;
+    EXPECT_GT(repeating, known - 60) << cut;
+  }
+}
+
 // The Gumbel-max trick: the highest of g + ln P is a draw from P.
 TEST(SequentialHalving, DrawsWhatItConsidersFromThePriors) {
   constexpr int kDraws = 20'000;

@@ -58,6 +58,8 @@ const std::vector<std::string>& OptionValues() {
       "root=gumbel,terminal_solver=true",
       "root=gumbel,full_search_share=0.5",
       "root=gumbel,gumbel_considered=3",
+      "root=gumbel,gumbel_first_halving=8",
+      "root=gumbel,gumbel_first_halving=8,terminal_solver=true,leaves_per_batch=4",
       "root=gumbel,gumbel_scale=0",
       "root=gumbel,gumbel_c_visit=5",
       "root=gumbel,gumbel_c_scale=0.1",
@@ -260,6 +262,7 @@ TEST_P(EveryRoot, AvoidsEveryForcedDeath) {
 INSTANTIATE_TEST_SUITE_P(SearchOptions, EveryRoot,
                          testing::Values("root=puct", "root=gumbel", "root=gumbel,gumbel_scale=0",
                                          "root=gumbel,tree_reuse=false,leaves_per_batch=4",
+                                         "root=gumbel,gumbel_first_halving=64,leaves_per_batch=8",
                                          "forced_playouts=2", "terminal_solver=true",
                                          "root=gumbel,terminal_solver=true"),
                          [](const auto& test) {
@@ -367,6 +370,45 @@ TEST(GumbelRoot, KeptVisitsDoNotCountInTheShares) {
   const auto share =
       static_cast<std::uint32_t>(120 / (legal * std::bit_width(unsigned(legal - 1))));
   for (const std::uint32_t visits : second.visits) EXPECT_TRUE(visits == 0 || visits >= share);
+}
+
+// What is found when somebody ends a search of 20,000 simulations.
+SearchResult FindInTime(SearchSettings settings, const State& state, const GameSettings& game,
+                        int simulations) {
+  settings.simulations = 20'000;
+  settings.leaves_per_batch = 8;
+  Search search(settings, game);
+  UniformEvaluator evaluator;
+  EvaluationBatch batch;
+  search.Start(state, ModelsAtStart(settings, 0, game), Rng(1));
+  do {
+    EXPECT_TRUE(search.Gather(batch));
+    evaluator.Evaluate(game, batch.positions(), batch.AllocateEvaluations());
+    search.Scatter(batch);
+    batch.Clear();
+  } while (search.Result().simulations < simulations);
+  return search.Result();
+}
+
+double ShareOf(Action action, const SearchResult& result) {
+  return static_cast<double>(result.visits[static_cast<std::size_t>(action)]) / result.simulations;
+}
+
+TEST(GumbelRoot, UnderAClockIsRightAndLooksAtTheBest) {
+  SearchSettings settings = Quiet(1);
+  settings.root = RootSearch::kGumbel;
+  settings.gumbel_scale = 0;
+  settings.gumbel_first_halving = 64;
+  for (int cut = 64; cut < 1500; cut += 50) {
+    const SearchResult result = FindInTime(settings, FromText(kEscape), {}, cut);
+    EXPECT_EQ(result.best, Action::kRight) << cut;
+    EXPECT_GE(ShareOf(Action::kRight, result), 0.3) << cut;
+  }
+  for (int cut = 3000; cut < 9000; cut += 900) {
+    const SearchResult result = FindInTime(settings, FromText(kKill), EndsAfter(10), cut);
+    EXPECT_EQ(result.best, Action::kBomb) << cut;
+    EXPECT_GE(ShareOf(Action::kBomb, result), 0.3) << cut;
+  }
 }
 
 // --- Playout cap randomisation -------------------------------------------------------------------
