@@ -19,6 +19,10 @@ PolicyKind PolicyOf(OpponentModel model) {
   return PolicyKind::kSimpleUnbiased;
 }
 
+bool IsAlive(const State& state, AgentId agent) {
+  return state.agents[static_cast<std::size_t>(agent)].alive;
+}
+
 }  // namespace
 
 void OpponentModels::StartGame(const SearchSettings& settings, const GameSettings& game,
@@ -49,25 +53,35 @@ void OpponentModels::KnowTraits(AgentId agent, const PolicyTraits& traits) {
   others_[static_cast<std::size_t>(agent)].model.traits = traits;
 }
 
+PolicyView OpponentModels::ViewOf(const State& state, AgentId agent) const {
+  const Cell cell = state.agents[static_cast<std::size_t>(agent)].cell;
+  return {state, game_, agent,
+          game_.view_radius == 0 ? BitBoard::All() : VisibleCells(game_, cell)};
+}
+
 void OpponentModels::ObserveStep(const State& before, const State& after) {
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
-    const auto id = static_cast<std::size_t>(agent);
-    if (agent == self_ || !before.agents[id].alive) continue;
-    if (others_[id].model.kind == ModelledAgent::Kind::kNetwork) continue;
-    const BitBoard visible =
-        game_.view_radius == 0 ? BitBoard::All() : VisibleCells(game_, before.agents[id].cell);
-    ObserveAgent({before, game_, agent, visible}, after, others_[id]);
+    Other& other = others_[static_cast<std::size_t>(agent)];
+    if (agent == self_ || !IsAlive(before, agent)) continue;
+    if (other.model.kind == ModelledAgent::Kind::kNetwork) continue;
+    if (memory_ == ModelMemory::kInferred) InferOrders(agent, before, after, other);
+    ObserveAgent(ViewOf(before, agent), after, other);
   }
+}
+
+void OpponentModels::InferOrders(AgentId agent, const State& before, const State& after,
+                                 Other& other) const {
+  if (other.model.policy != PolicyKind::kSimpleUnbiased) return;
+  Action seen = Action::kStop;
+  if (SeenAction(before, after, agent, seen)) {
+    other.orders.Observe(ViewOf(before, agent), other.model.memory, seen);
+  }
+  if (IsAlive(after, agent)) other.orders.Settle(ViewOf(after, agent));
+  other.model.traits = other.orders.traits();
 }
 
 void OpponentModels::ObserveAgent(const PolicyView& view, const State& after, Other& other) const {
   ModelledAgent& model = other.model;
-  Action seen = Action::kStop;
-  if (memory_ == ModelMemory::kInferred && model.policy == PolicyKind::kSimpleUnbiased &&
-      SeenAction(view.state, after, view.self, seen)) {
-    other.orders.Observe(view, model.memory, seen);
-    model.traits = other.orders.traits();
-  }
   if (other.chooses) {
     other.choice.Observe(view, model.traits, after);
     model.policy = other.choice.best().policy;

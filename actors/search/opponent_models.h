@@ -57,6 +57,8 @@ class OpponentModels {
     OrderInference orders;  // where the memory setting is kInferred
     Rng rng = Rng(0);       // of guesses about its memory
   };
+  [[nodiscard]] PolicyView ViewOf(const State& state, AgentId agent) const;
+  void InferOrders(AgentId agent, const State& before, const State& after, Other& other) const;
   void ObserveAgent(const PolicyView& view, const State& after, Other& other) const;
 
   ModelMemory memory_ = ModelMemory::kSynchronized;

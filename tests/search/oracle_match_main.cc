@@ -1,12 +1,15 @@
-// oracle_match [GAMES [SIMULATIONS...]]: what knowing the opponents is worth.
+// oracle_match [GAMES [SIMULATIONS...]] [--seed SEED] [--models NAME]: what knowing the opponents
+// is worth.
 //
 // The search of the paper preset, without a network, plays against three SimpleUnbiased on the same
 // boards with models that remember nothing (reset), what was seen (synchronized), what explains
 // what was seen (inferred), and with the opponents' hidden orders known beside what was seen
 // (oracle). For each it prints wins and ties, the share of the opponents' actions foretold at the
-// root, and how much of the way from synchronized to oracle the wins went. Uses all cores; equal
-// arguments give equal figures.
+// root, and how much of the way from synchronized to oracle the wins went. The boards begin with
+// that of SEED (1); with NAME only models of this name play. Uses all cores; equal arguments give
+// equal figures.
 
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
@@ -35,6 +38,13 @@ constexpr std::array<Knowledge, 4> kKnowledge = {
     Knowledge{"inferred", ModelMemory::kInferred, false},
     Knowledge{"oracle", ModelMemory::kSynchronized, true}};
 
+struct Plan {
+  std::uint64_t games = 400;
+  std::vector<int> simulations;
+  std::uint64_t first_seed = 1;
+  std::string_view models;  // empty: all
+};
+
 struct Score {
   std::uint64_t games = 0;
   std::uint64_t wins = 0;
@@ -58,9 +68,9 @@ struct Score {
 // One game as it goes on.
 class Match {
  public:
-  Match(const Knowledge& knowledge, int simulations, std::uint64_t game)
+  Match(const Knowledge& knowledge, int simulations, std::uint64_t first_seed, std::uint64_t game)
       : self_(static_cast<AgentId>(game % kAgentCount)), belief_(setup_.settings, {}) {
-    setup_.seed = 1 + game / kAgentCount;
+    setup_.seed = first_seed + game / kAgentCount;
     setup_.start.corners = StartCorners::kPermuted;
     setup_.seats.fill({.searches = false, .policy = PolicyKind::kSimpleUnbiased});
     setup_.seats[static_cast<std::size_t>(self_)] = {.searches = true};
@@ -118,7 +128,7 @@ class Match {
   UniformEvaluator evaluator_;
 };
 
-Score PlayAll(const Knowledge& knowledge, int simulations, std::uint64_t games) {
+Score PlayAll(const Knowledge& knowledge, int simulations, const Plan& plan) {
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   std::vector<Score> scores(cores);
   std::atomic<std::uint64_t> next = 0;
@@ -126,8 +136,8 @@ Score PlayAll(const Knowledge& knowledge, int simulations, std::uint64_t games) 
     std::vector<std::jthread> threads;
     for (Score& score : scores) {
       threads.emplace_back([&] {
-        for (std::uint64_t game = next++; game < games; game = next++) {
-          score += Match(knowledge, simulations, game).Play();
+        for (std::uint64_t game = next++; game < plan.games; game = next++) {
+          score += Match(knowledge, simulations, plan.first_seed, game).Play();
         }
       });
     }
@@ -137,45 +147,67 @@ Score PlayAll(const Knowledge& knowledge, int simulations, std::uint64_t games) 
   return all;
 }
 
-void Report(int simulations, std::uint64_t games) {
+void Print(int simulations, const char* name, const Score& score) {
+  const Interval interval = WilsonInterval(score.wins, score.games);
+  std::printf("%11d  %-12s  %5llu  %.3f [%.3f, %.3f]  %.3f  %.3f\n", simulations, name,
+              static_cast<unsigned long long>(score.games), score.win_rate(), interval.low,
+              interval.high, static_cast<double>(score.ties) / static_cast<double>(score.games),
+              static_cast<double>(score.foretold) / static_cast<double>(score.actions));
+  std::fflush(stdout);
+}
+
+void Report(int simulations, const Plan& plan) {
   std::array<double, kKnowledge.size()> win_rates{};
   for (std::size_t i = 0; i < kKnowledge.size(); ++i) {
-    const Score score = PlayAll(kKnowledge[i], simulations, games);
+    if (!plan.models.empty() && plan.models != kKnowledge[i].name) continue;
+    const Score score = PlayAll(kKnowledge[i], simulations, plan);
     win_rates[i] = score.win_rate();
-    const Interval interval = WilsonInterval(score.wins, score.games);
-    std::printf("%11d  %-12s  %5llu  %.3f [%.3f, %.3f]  %.3f  %.3f\n", simulations,
-                kKnowledge[i].name, static_cast<unsigned long long>(score.games), win_rates[i],
-                interval.low, interval.high,
-                static_cast<double>(score.ties) / static_cast<double>(score.games),
-                static_cast<double>(score.foretold) / static_cast<double>(score.actions));
-    std::fflush(stdout);
+    Print(simulations, kKnowledge[i].name, score);
   }
   const double way = win_rates[3] - win_rates[1];
-  if (way > 0) {
+  if (plan.models.empty() && way > 0) {
     std::printf("%11d  inferred went %.0f %% of the way from synchronized to oracle\n", simulations,
                 100 * (win_rates[2] - win_rates[1]) / way);
   }
+}
+
+// False if an argument is none.
+bool Read(const std::vector<std::string_view>& arguments, Plan& plan) {
+  std::vector<int> numbers;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const bool has_value = i + 1 < arguments.size();
+    const auto is_name = [&](const Knowledge& knowledge) {
+      return knowledge.name == arguments[i + 1];
+    };
+    if (arguments[i] == "--models") {
+      if (!has_value || std::ranges::none_of(kKnowledge, is_name)) return false;
+      plan.models = arguments[++i];
+    } else if (arguments[i] == "--seed") {
+      if (!has_value) return false;
+      plan.first_seed = std::strtoull(arguments[++i].data(), nullptr, 10);
+    } else {
+      numbers.push_back(std::atoi(arguments[i].data()));
+      if (numbers.back() < 1) return false;
+    }
+  }
+  if (!numbers.empty()) plan.games = static_cast<std::uint64_t>(numbers[0]);
+  if (numbers.size() > 1) plan.simulations.assign(numbers.begin() + 1, numbers.end());
+  if (plan.simulations.empty()) plan.simulations = {250, 1000};
+  return true;
 }
 
 }  // namespace
 }  // namespace powderkeg
 
 int main(int argc, char** argv) {
-  const std::vector<std::string_view> arguments(argv + 1, argv + argc);
-  std::vector<int> numbers;
-  for (const std::string_view argument : arguments) {
-    numbers.push_back(std::atoi(argument.data()));
-    if (numbers.back() < 1) {
-      std::fprintf(stderr, "'%s': expected oracle_match [GAMES [SIMULATIONS...]]\n",
-                   argument.data());
-      return 2;
-    }
+  powderkeg::Plan plan;
+  if (!powderkeg::Read({argv + 1, argv + argc}, plan)) {
+    std::fprintf(stderr,
+                 "expected oracle_match [GAMES [SIMULATIONS...]] [--seed SEED] [--models NAME], "
+                 "all positive, NAME one of reset, synchronized, inferred, oracle\n");
+    return 2;
   }
-  const std::uint64_t games = numbers.empty() ? 400 : static_cast<std::uint64_t>(numbers[0]);
   std::printf("simulations  models        games  wins [95 %%]            ties   foretold\n");
-  for (std::size_t i = 1; i < numbers.size(); ++i) powderkeg::Report(numbers[i], games);
-  if (numbers.size() < 2) {
-    for (const int simulations : {250, 1000}) powderkeg::Report(simulations, games);
-  }
+  for (const int simulations : plan.simulations) powderkeg::Report(simulations, plan);
   return 0;
 }
