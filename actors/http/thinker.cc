@@ -1,10 +1,10 @@
 #include "actors/http/thinker.h"
 
 #include <algorithm>
-#include <span>
 #include <string>
 #include <utility>
 
+#include "actors/play/evaluation_batches.h"
 #include "common/base/check.h"
 #include "common/base/log.h"
 
@@ -127,12 +127,11 @@ bool Thinker::PlayRound(const GameSettings& settings, Thought& thought) {
 }
 
 void Thinker::Answer(const GameSettings& settings) {
-  const std::span<Evaluation> answers = batch_.AllocateEvaluations();
   try {
-    evaluator_->Evaluate(settings, batch_.positions(), answers);
+    EvaluateBatch(*evaluator_, settings, batch_);
   } catch (...) {
     // Between Gather and Scatter an agent can begin no other move.
-    UniformEvaluator().Evaluate(settings, batch_.positions(), answers);
+    UniformEvaluator().Evaluate(settings, batch_.positions(), batch_.AllocateEvaluations());
     agent_->Scatter(batch_);
     throw;
   }

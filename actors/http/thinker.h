@@ -67,8 +67,9 @@ class Thinker {
   // The round under way is the move's last one, and of a move that has not begun the agent is only
   // told. To be called once after each Start.
   //
-  // Rethrows what the evaluator or the agent threw; what they throw later is logged. After an
-  // evaluator's exception the agent is given uniform answers, so that it can go on.
+  // Rethrows what the evaluator (BadEvaluation for answers that are no numbers) or the agent threw;
+  // what they throw later is logged. After an evaluator's exception the agent is given uniform
+  // answers, so that it can go on.
   [[nodiscard]] Thought Await(Clock::time_point answer_by);
 
  private:

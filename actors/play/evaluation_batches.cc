@@ -20,15 +20,17 @@ std::string ToText(const Evaluation& evaluation) {
   return StrCat(text, ", value ", evaluation.value);
 }
 
-void CheckAnswers(const Evaluator& evaluator, std::span<const Position> positions,
-                  std::span<const Evaluation> evaluations) {
+}  // namespace
+
+void EvaluateBatch(Evaluator& evaluator, const GameSettings& settings, EvaluationBatch& batch) {
+  const std::span<const Position> positions = batch.positions();
+  const std::span<Evaluation> evaluations = batch.AllocateEvaluations();
+  evaluator.Evaluate(settings, positions, evaluations);
   const auto bad = std::ranges::find_if_not(evaluations, IsFinite);
   if (bad == evaluations.end()) return;
   throw BadEvaluation(evaluator, positions[static_cast<std::size_t>(bad - evaluations.begin())],
                       *bad);
 }
-
-}  // namespace
 
 BadEvaluation::BadEvaluation(const Evaluator& evaluator, const Position& position,
                              const Evaluation& evaluation)
@@ -51,9 +53,7 @@ int EvaluationBatches::Evaluate(const GameSettings& settings) {
   int batches = 0;
   for (Group& group : groups_) {
     if (group.batch.size() == 0) continue;
-    const std::span<Evaluation> evaluations = group.batch.AllocateEvaluations();
-    group.evaluator->Evaluate(settings, group.batch.positions(), evaluations);
-    CheckAnswers(*group.evaluator, group.batch.positions(), evaluations);
+    EvaluateBatch(*group.evaluator, settings, group.batch);
     ++batches;
   }
   return batches;

@@ -35,6 +35,10 @@ class BadEvaluation : public Error {
   AgentId viewer_;
 };
 
+// Lets the evaluator answer the batch. Throws BadEvaluation for the first answer that is not
+// finite.
+void EvaluateBatch(Evaluator& evaluator, const GameSettings& settings, EvaluationBatch& batch);
+
 // One round of questions and answers: For and Add, Evaluate, For and read, Clear. Evaluators must
 // outlive the round. One thread.
 class EvaluationBatches {
@@ -43,7 +47,7 @@ class EvaluationBatches {
   [[nodiscard]] EvaluationBatch& For(Evaluator& evaluator);
 
   // Lets every evaluator that was asked answer its batch. Blocks. Returns the number of batches
-  // that were not empty. Throws BadEvaluation for the first answer that is not finite.
+  // that were not empty. Throws as EvaluateBatch.
   int Evaluate(const GameSettings& settings);
 
   // Questions asked since Clear, to all evaluators together.

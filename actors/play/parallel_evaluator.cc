@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "common/base/check.h"
 
@@ -66,6 +67,8 @@ void ParallelEvaluator::Evaluate(const GameSettings& settings, std::span<const P
   for (std::uint32_t left = 0; (left = unfinished_.load(std::memory_order_acquire)) > 0;) {
     AwaitChange(unfinished_, left);
   }
+  const std::lock_guard lock(failure_mutex_);
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
 std::string ParallelEvaluator::name() const {
@@ -85,11 +88,16 @@ void ParallelEvaluator::TakeParts(Evaluator& evaluator) {
   }
 }
 
-void ParallelEvaluator::Answer(std::uint32_t part, Evaluator& evaluator) const {
+void ParallelEvaluator::Answer(std::uint32_t part, Evaluator& evaluator) {
   const std::size_t first = job_.positions.size() * part / job_.parts;
   const std::size_t end = job_.positions.size() * (part + 1) / job_.parts;
-  evaluator.Evaluate(*job_.settings, job_.positions.subspan(first, end - first),
-                     job_.evaluations.subspan(first, end - first));
+  try {
+    evaluator.Evaluate(*job_.settings, job_.positions.subspan(first, end - first),
+                       job_.evaluations.subspan(first, end - first));
+  } catch (const std::exception&) {
+    const std::lock_guard lock(failure_mutex_);
+    if (!failure_) failure_ = std::current_exception();
+  }
 }
 
 void ParallelEvaluator::Serve(Evaluator& evaluator) {

@@ -5,7 +5,9 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,7 +20,8 @@ namespace powderkeg {
 // Answers the parts of one batch at the same time, each with an evaluator of its own: the calling
 // thread takes part, the other evaluators have a thread each. Parts differ in size by at most one.
 // Whoever is free takes the next part, so that a thread that waits for a core holds nobody up. A
-// thread without work looks for more during kSpin, then sleeps. One calling thread at a time.
+// thread without work looks for more during kSpin, then sleeps. An exception reaches the caller
+// when all parts have ended; of several, the first. One calling thread at a time.
 class ParallelEvaluator final : public Evaluator {
  public:
   // At least one evaluator; all must give the same answers.
@@ -44,14 +47,16 @@ class ParallelEvaluator final : public Evaluator {
 
   // Answers parts until none is left to be taken.
   void TakeParts(Evaluator& evaluator);
-  void Answer(std::uint32_t part, Evaluator& evaluator) const;
+  void Answer(std::uint32_t part, Evaluator& evaluator);
   // A thread's life.
   void Serve(Evaluator& evaluator);
 
   std::vector<std::unique_ptr<Evaluator>> evaluators_;  // the first one is the caller's
   Job job_;
-  std::atomic<std::uint32_t> untaken_ = 0;        // parts of the job that nobody took yet
-  std::atomic<std::uint32_t> unfinished_ = 0;     // parts of the job without answers
+  std::atomic<std::uint32_t> untaken_ = 0;     // parts of the job that nobody took yet
+  std::atomic<std::uint32_t> unfinished_ = 0;  // parts of the job without answers
+  std::mutex failure_mutex_;
+  std::exception_ptr failure_;                    // of a part of the job; guarded
   std::vector<std::unique_ptr<Worker>> workers_;  // last: they use the others
 };
 

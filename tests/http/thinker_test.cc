@@ -4,12 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <new>
 #include <thread>
 #include <vector>
 
+#include "actors/play/evaluation_batches.h"
 #include "actors/play/factory.h"
 #include "common/base/check.h"
 #include "common/pommerman/generate.h"
@@ -204,6 +206,23 @@ TEST(ThinkerOfASearch, GoesOnAfterAFailure) {
   const Thought thought = Think(thinker, briefing);
   EXPECT_TRUE(thought.finished);
   EXPECT_EQ(thought.statistics.simulations, 20U);
+}
+
+class BrokenEvaluator final : public Evaluator {
+ public:
+  void Evaluate(const GameSettings&, std::span<const Position>,
+                std::span<Evaluation> evaluations) override {
+    for (Evaluation& evaluation : evaluations) evaluation.value = std::nanf("");
+  }
+  [[nodiscard]] std::string name() const override { return "broken"; }
+};
+
+TEST(ThinkerOfASearch, RefusesAnswersThatAreNoNumbers) {
+  Thinker thinker(MakeAgent(ParseAgent("search:simulations=20")),
+                  std::make_shared<BrokenEvaluator>());
+  const State state = GenerateStart({}, {}, Rng(3));
+  const Briefing briefing{.settings = {}, .observation = Observe({}, state, 0), .new_game = Rng(1)};
+  EXPECT_THROW((void)Think(thinker, briefing), BadEvaluation);
 }
 
 // --- What is cut short leaves no trace ----------------------------------------------------------

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <barrier>
+#include <chrono>
 #include <mutex>
 #include <set>
 #include <thread>
@@ -145,6 +146,36 @@ TEST_F(ParallelEvaluatorTest, BatchesMayComeFromAnyThreadInTurn) {
 TEST_F(ParallelEvaluatorTest, EndsWithoutAnyWork) {
   for (int i = 0; i < 20; ++i) ParallelEvaluator evaluator(Evaluators(4));
   EXPECT_TRUE(questions_.sizes.empty());
+}
+
+class FailingEvaluator final : public Evaluator {
+ public:
+  void Evaluate(const GameSettings&, std::span<const Position>, std::span<Evaluation>) override {
+    throw Error("out of order");
+  }
+  [[nodiscard]] std::string name() const override { return "failing"; }
+};
+
+// Whoever fails, nobody waits for ever, and the next batch is answered.
+TEST_F(ParallelEvaluatorTest, AFailureReachesTheCaller) {
+  for (const std::size_t failing : {0U, 1U, 2U}) {
+    std::vector<std::unique_ptr<Evaluator>> evaluators = Evaluators(3);
+    evaluators[failing] = std::make_unique<FailingEvaluator>();
+    ParallelEvaluator evaluator(std::move(evaluators));
+    const std::vector<Position> positions(9, Position{.state = &states_[0], .viewer = 0});
+    std::vector<Evaluation> evaluations(positions.size());
+    int failures = 0;  // a thread that is slow to wake leaves its parts to the others for a while
+    const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (failures < 3 && std::chrono::steady_clock::now() < patience) {
+      try {
+        evaluator.Evaluate({}, positions, evaluations);
+      } catch (const Error& error) {
+        EXPECT_STREQ(error.what(), "out of order");
+        ++failures;
+      }
+    }
+    EXPECT_EQ(failures, 3) << "evaluator " << failing;
+  }
 }
 
 TEST_F(ParallelEvaluatorTest, NameTellsTheThreads) {
