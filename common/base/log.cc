@@ -1,6 +1,6 @@
 #include "common/base/log.h"
 
-#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/sinks/rotating_file_sink.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -32,7 +32,10 @@ spdlog::level::level_enum SpdlogLevel(Level level) {
 
 std::shared_ptr<spdlog::logger> MakeLogger(const std::string& file, Level level, Level console) {
   std::vector<spdlog::sink_ptr> sinks = {std::make_shared<spdlog::sinks::stderr_sink_mt>()};
-  if (!file.empty()) sinks.push_back(std::make_shared<spdlog::sinks::basic_file_sink_mt>(file));
+  if (!file.empty()) {
+    sinks.push_back(
+        std::make_shared<spdlog::sinks::rotating_file_sink_mt>(file, kMaxFileBytes, kOldFiles));
+  }
   auto logger = std::make_shared<spdlog::logger>("", sinks.begin(), sinks.end());
   logger->set_pattern(kPattern);
   // A live line may stand on the terminal: write over it.

@@ -7,6 +7,7 @@
 //
 // Thread-safe. Numbers over time are metrics, not log lines.
 
+#include <cstddef>
 #include <cstdint>
 #include <sstream>
 #include <string>
@@ -18,6 +19,11 @@ enum class Level : std::uint8_t { kDebug, kInfo, kWarn, kError };
 
 // "debug", "info", "warn", "error"; throws Error otherwise.
 [[nodiscard]] Level LevelFor(std::string_view name);
+
+// A file that reaches this size is renamed to NAME.1.ENDING (older ones to .2. and so on, as many
+// as kOldFiles) and begun anew: whatever peers do, the disk does not fill with lines.
+inline constexpr std::size_t kMaxFileBytes = std::size_t{16} << 20;
+inline constexpr std::size_t kOldFiles = 3;
 
 // Writes to standard error what is of level `console` or above and, if `file` is not empty, appends
 // everything to that file. Without Init lines of level info and above go to standard error. Throws

@@ -60,6 +60,19 @@ TEST_F(LogTest, FormatCharactersAreNotInterpreted) {
   EXPECT_THAT(ReadAll(path_), EndsWith("100 % {} %s value={0}\n"));
 }
 
+TEST_F(LogTest, AFileDoesNotGrowWithoutEnd) {
+  log::Init(path_, log::Level::kInfo, log::Level::kError);
+  const std::string line(std::size_t{1} << 20, 'x');
+  for (std::size_t size = 0; size < log::kMaxFileBytes + 3 * line.size(); size += line.size()) {
+    log::Info(line);
+  }
+  std::filesystem::path older = path_;
+  older.replace_extension(".1.log");
+  EXPECT_LE(std::filesystem::file_size(path_), 5 * line.size());
+  EXPECT_LE(std::filesystem::file_size(older), log::kMaxFileBytes);
+  std::filesystem::remove(older);
+}
+
 TEST_F(LogTest, AFileThatCannotBeOpenedIsAnError) {
   EXPECT_THROW(log::Init("/proc/none/x.log", log::Level::kInfo), Error);
   EXPECT_THROW((void)log::LevelFor("loud"), Error);
