@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -217,18 +219,51 @@ std::vector<std::string> ReadStrings(hid_t file, const char* name, std::uint64_t
   return strings;
 }
 
-SegmentColumns ReadColumns(const fs::path& path) {
-  const std::uint64_t file_bytes = fs::file_size(path);
-  if (access(path.c_str(), R_OK) != 0) throw Error("permission denied");
-  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
-                    StrCat("open it (", file_bytes, " bytes): it is cut short or no HDF5 file"));
-  ExpectFormat(file);
-  SegmentColumns columns;
-  ForEachColumn(columns, [&](const char* name, auto& column, const char*) {
-    ReadColumn(file, name, file_bytes, column);
-  });
-  columns.evaluators = ReadStrings(file, kEvaluators, file_bytes);
-  return columns;
+// A segment opened for reading. Throws Error if it is none of ours.
+class SegmentReader {
+ public:
+  explicit SegmentReader(const fs::path& path)
+      : bytes_(ReadableBytes(path)),
+        file_(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
+              StrCat("open it (", bytes_, " bytes): it is cut short or no HDF5 file")) {
+    ExpectFormat(file_);
+  }
+
+  [[nodiscard]] SegmentColumns Columns() const {
+    SegmentColumns columns;
+    ForEachColumn(columns, [&](const char* name, auto& column, const char*) {
+      ReadColumn(file_, name, bytes_, column);
+    });
+    columns.evaluators = ReadStrings(file_, kEvaluators, bytes_);
+    return columns;
+  }
+  [[nodiscard]] std::vector<std::uint64_t> Tickets() const {
+    std::vector<std::uint64_t> tickets;
+    ReadColumn(file_, "games/ticket", bytes_, tickets);
+    return tickets;
+  }
+
+ private:
+  static std::uint64_t ReadableBytes(const fs::path& path) {
+    if (access(path.c_str(), R_OK) != 0) throw Error(std::strerror(errno));
+    return fs::file_size(path);
+  }
+
+  std::uint64_t bytes_;
+  Handle file_;
+};
+
+// Calls `read`; an error then names the segment.
+template <typename Read>
+auto Named(const fs::path& path, Read&& read) {
+  SilenceLibrary();
+  try {
+    return read();
+  } catch (const Error& error) {
+    throw Error(StrCat("segment ", path.string(), ": ", error.what()));
+  } catch (const fs::filesystem_error& error) {
+    throw Error(StrCat("segment ", path.string(), ": ", error.code().message()));
+  }
 }
 
 }  // namespace
@@ -239,14 +274,11 @@ std::vector<std::uint8_t> EncodeSegment(std::span<const GameRecord> games) {
 }
 
 void ReadSegment(const fs::path& path, const std::function<void(GameRecord&&)>& visit) {
-  SilenceLibrary();
-  try {
-    ForEachGame(ReadColumns(path), visit);
-  } catch (const Error& error) {
-    throw Error(StrCat("segment ", path.string(), ": ", error.what()));
-  } catch (const fs::filesystem_error& error) {
-    throw Error(StrCat("segment ", path.string(), ": ", error.code().message()));
-  }
+  Named(path, [&] { ForEachGame(SegmentReader(path).Columns(), visit); });
+}
+
+std::vector<std::uint64_t> ReadTickets(const fs::path& path) {
+  return Named(path, [&] { return SegmentReader(path).Tickets(); });
 }
 
 }  // namespace powderkeg

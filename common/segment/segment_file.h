@@ -27,4 +27,8 @@ namespace powderkeg {
 // names the file and says what is wrong; some games may have been visited by then.
 void ReadSegment(const std::filesystem::path& path, const std::function<void(GameRecord&&)>& visit);
 
+// The tickets of the games, in order, without reading the rest: what a restart needs of games that
+// were used long ago. Throws Error as ReadSegment.
+[[nodiscard]] std::vector<std::uint64_t> ReadTickets(const std::filesystem::path& path);
+
 }  // namespace powderkeg
