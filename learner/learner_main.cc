@@ -3,14 +3,18 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -23,13 +27,13 @@
 
 #include "common/base/check.h"
 #include "common/base/digest.h"
+#include "common/base/durable_file.h"
 #include "common/base/log.h"
 #include "common/base/worker.h"
 #include "common/config/config.h"
 #include "common/pommerman/game_settings.h"
 #include "common/wire/zmq_transport.h"
 #include "learner/intake/session_server.h"
-#include "learner/replay/durable_file.h"
 #include "learner/replay/store.h"
 #include "learner/report/iteration_table.h"
 #include "learner/report/live_line.h"
@@ -39,6 +43,9 @@ namespace powderkeg {
 namespace {
 
 using std::chrono::milliseconds;
+
+// Small segments that are merged within an iteration too, that long ones do not fill the folder.
+constexpr std::size_t kManySegments = 1000;
 
 volatile std::sig_atomic_t stop_signal = 0;
 
@@ -58,10 +65,10 @@ class RunLock {
   explicit RunLock(const std::filesystem::path& folder) {
     const std::string path = (folder / "learner.lock").string();
     file_ = open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644);
-    if (file_ < 0) throw Error(StrCat("cannot create ", path));
-    if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
-      throw Error(StrCat(folder.string(), " is in use by another learner"));
-    }
+    if (file_ < 0) throw Error(StrCat("cannot create ", path, ": ", std::strerror(errno)));
+    if (flock(file_, LOCK_EX | LOCK_NB) == 0) return;
+    if (errno == EWOULDBLOCK) throw Error(StrCat(folder.string(), " is in use by another learner"));
+    throw Error(StrCat("cannot lock ", path, ": ", std::strerror(errno)));
   }
   ~RunLock() { close(file_); }
   RunLock(const RunLock&) = delete;
@@ -75,6 +82,15 @@ void StoreText(const std::filesystem::path& path, const std::string& text) {
   WriteFileDurably(path, BytesOf(text));
 }
 
+// The folder's name as far as it can be part of a name on the wire.
+std::string NameOf(const std::filesystem::path& folder) {
+  constexpr std::size_t kLongest = 40;
+  std::string name = std::filesystem::absolute(folder / ".").parent_path().filename().string();
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return c <= ' ' || c > '~'; }, '_');
+  return name.substr(0, kLongest);
+}
+
 // A random name of the run, made at its first start: actors must not mix runs up.
 std::string RunIdOf(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "run_id";
@@ -83,7 +99,7 @@ std::string RunIdOf(const std::filesystem::path& folder) {
   std::random_device device;
   char text[33];
   std::snprintf(text, sizeof text, "%08x%08x", device(), device());
-  id = folder.filename().string() + "-" + text;
+  id = NameOf(folder) + "-" + text;
   StoreText(path, id + '\n');
   return id;
 }
@@ -176,10 +192,12 @@ class Learner {
         store_(options.run_dir / "replay"),
         loop_(LoopSettings(options), LoopHooks()) {
     std::vector<std::uint64_t> known;
-    store_.Load([&](GameRecord&& game) {
-      known.push_back(game.ticket);
-      loop_.Add(std::move(game));
-    });
+    store_.Load(
+        [&](std::uint64_t ticket) {
+          known.push_back(ticket);
+          return loop_.Wants(ticket);
+        },
+        [&](GameRecord&& game) { loop_.Add(std::move(game)); });
     log::Info("run opened", "folder", options.run_dir.string(), "games", known.size(),
               "iterations_done", loop_.progress().iteration);
     std::optional<std::filesystem::path> keys;
@@ -208,7 +226,8 @@ class Learner {
       std::this_thread::sleep_for(milliseconds(500));
     }
     display_.Clear();
-    const bool complete = stop_signal == 0 && trainer.finished() && !server_->failed();
+    // A trainer that failed has finished too: actors that then left would not come back.
+    const bool complete = loop_.progress().iteration >= config_.training.iterations;
     trainer.RequestStop();
     server_->Stop({complete ? "the run is complete" : "the learner stops", complete});
     trainer.Join();
@@ -246,7 +265,9 @@ class Learner {
   // On the store thread, which makes all HDF5 calls.
   void Append(std::vector<GameRecord> games) {
     store_.Append(games);
-    if (merge_wanted_.exchange(false)) store_.Merge();
+    if (merge_wanted_.exchange(false) || store_.small_segment_count() >= kManySegments) {
+      store_.Merge();
+    }
     for (GameRecord& game : games) loop_.Add(std::move(game));
   }
 
@@ -258,6 +279,14 @@ class Learner {
   LearnerLoop loop_;
   std::unique_ptr<SessionServer> server_;  // last: its threads use what stands above
 };
+
+// Every peer takes a file, and without one left nothing could be stored.
+void AllowManyFiles() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
 
 int Main(int argc, char** argv) {
   Options options;
@@ -278,6 +307,7 @@ int Main(int argc, char** argv) {
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
 
+  AllowManyFiles();
   std::signal(SIGINT, [](int) { stop_signal = 1; });
   std::signal(SIGTERM, [](int) { stop_signal = 1; });
   std::signal(SIGHUP, [](int) { stop_signal = 1; });

@@ -1,18 +1,11 @@
 #include "common/model/weights_snapshot.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 
 #include "common/base/check.h"
+#include "common/base/durable_file.h"
 
 namespace powderkeg {
 namespace {
@@ -32,41 +25,6 @@ void ValidateArray(const NamedArray& array, const ArrayShape& expected) {
                          is_variance ? "variance" : "number"));
     }
   }
-}
-
-[[noreturn]] void ThrowSystemError(const char* what, const std::string& path) {
-  const int error = errno;
-  throw Error(StrCat("cannot ", what, " ", path, ": ", std::strerror(error)));
-}
-
-// A file descriptor that is closed at the end of its scope.
-class Descriptor {
- public:
-  Descriptor(const std::string& path, int flags) : number_(::open(path.c_str(), flags, 0644)) {
-    if (number_ < 0) ThrowSystemError("open", path);
-  }
-  ~Descriptor() { ::close(number_); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int number() const { return number_; }
-
- private:
-  int number_;
-};
-
-void WriteAndSync(std::span<const std::uint8_t> bytes, const std::string& path) {
-  const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC);
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file.number(), bytes.data(), bytes.size());
-    if (written < 0 && errno != EINTR) ThrowSystemError("write", path);
-    if (written > 0) bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
-  if (::fsync(file.number()) != 0) ThrowSystemError("sync", path);
-}
-
-void SyncFolder(const std::string& path) {
-  const Descriptor folder(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (::fsync(folder.number()) != 0) ThrowSystemError("sync", path);
 }
 
 std::vector<Evaluation> Answers(const Canary& canary, Evaluator& evaluator) {
@@ -102,25 +60,13 @@ void Validate(const WeightsSnapshot& snapshot) {
 }
 
 void SaveSnapshot(const WeightsSnapshot& snapshot, const std::string& path) {
-  const std::string temporary = StrCat(path, ".", ::getpid(), ".tmp");
-  try {
-    WriteAndSync(Serialize(snapshot), temporary);
-    if (std::rename(temporary.c_str(), path.c_str()) != 0) ThrowSystemError("rename to", path);
-  } catch (const Error&) {
-    ::unlink(temporary.c_str());
-    throw;
-  }
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  SyncFolder(folder.empty() ? "." : folder.string());
+  WriteFileDurably(path, Serialize(snapshot));
 }
 
 Snapshot LoadSnapshot(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) ThrowSystemError("open", path);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+  const std::vector<std::uint8_t> bytes = ReadFileBytes(path);
   try {
-    return std::make_shared<const WeightsSnapshot>(
-        Deserialize({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}));
+    return std::make_shared<const WeightsSnapshot>(Deserialize(bytes));
   } catch (const Error& error) {
     throw Error(StrCat(path, ": ", error.what()));
   }

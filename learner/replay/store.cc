@@ -8,11 +8,14 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <unordered_set>
 #include <utility>
 
+#include "common/base/check.h"
+#include "common/base/durable_file.h"
+#include "common/record/ticket_set.h"
 #include "common/segment/segment_file.h"
-#include "learner/replay/durable_file.h"
 
 namespace powderkeg {
 namespace {
@@ -37,14 +40,23 @@ std::optional<std::uint64_t> SegmentNumber(const fs::path& path) {
   return number;
 }
 
+bool IsSmall(std::uint64_t bytes) { return bytes < kMergeBelowBytes; }
+
+constexpr auto kAll = [](std::uint64_t) { return true; };
+
+std::uint64_t SizeOf(const fs::path& path) {
+  std::error_code error;
+  const std::uint64_t size = fs::file_size(path, error);
+  if (error) throw Error(StrCat("cannot read ", path.string(), ": ", error.message()));
+  return size;
+}
+
 }  // namespace
 
 ReplayStore::ReplayStore(fs::path folder) : folder_(std::move(folder)) {
   PrepareFolder(folder_);
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
-    if (const auto number = SegmentNumber(entry.path())) {
-      segments_.push_back({*number, entry.file_size()});
-    }
+  for (const fs::path& path : FilesIn(folder_)) {
+    if (const auto number = SegmentNumber(path)) segments_.push_back({*number, SizeOf(path)});
   }
   std::ranges::sort(segments_, {}, &Segment::number);
 }
@@ -64,27 +76,53 @@ void ReplayStore::Append(std::span<const GameRecord> games) {
 }
 
 void ReplayStore::LoadFrom(std::span<const Segment> segments,
+                           const std::function<bool(std::uint64_t)>& wanted,
                            const std::function<void(GameRecord&&)>& visit) const {
-  std::unordered_set<std::uint64_t> seen;
+  TicketSet seen;
   for (const Segment& segment : segments) {
+    std::unordered_set<std::uint64_t> chosen;
+    for (const std::uint64_t ticket : ReadTickets(PathOf(segment))) {
+      if (seen.Insert(ticket) && wanted(ticket)) chosen.insert(ticket);
+    }
+    if (chosen.empty()) continue;
     ReadSegment(PathOf(segment), [&](GameRecord&& game) {
-      if (seen.insert(game.ticket).second) visit(std::move(game));
+      if (chosen.erase(game.ticket) != 0) visit(std::move(game));
     });
   }
 }
 
 void ReplayStore::Load(const std::function<void(GameRecord&&)>& visit) const {
-  LoadFrom(segments_, visit);
+  LoadFrom(segments_, kAll, visit);
+}
+
+void ReplayStore::Load(const std::function<bool(std::uint64_t)>& wanted,
+                       const std::function<void(GameRecord&&)>& visit) const {
+  LoadFrom(segments_, wanted, visit);
+}
+
+std::size_t ReplayStore::small_segment_count() const {
+  return static_cast<std::size_t>(std::ranges::count_if(segments_, IsSmall, &Segment::bytes));
 }
 
 void ReplayStore::Merge() {
-  const auto small = std::ranges::stable_partition(
-      segments_, [](const Segment& segment) { return segment.bytes >= kMergeBelowBytes; });
-  const std::vector<Segment> originals(small.begin(), small.end());
-  std::ranges::sort(segments_, {}, &Segment::number);
+  std::vector<Segment> batch;
+  std::uint64_t bytes = 0;
+  for (const Segment& segment : std::vector(segments_)) {
+    if (!IsSmall(segment.bytes)) continue;
+    batch.push_back(segment);
+    bytes += segment.bytes;
+    if (IsSmall(bytes)) continue;
+    MergeAll(batch);
+    batch.clear();
+    bytes = 0;
+  }
+  MergeAll(batch);
+}
+
+void ReplayStore::MergeAll(std::span<const Segment> originals) {
   if (originals.size() < 2) return;
   std::vector<GameRecord> games;
-  LoadFrom(originals, [&](GameRecord&& game) { games.push_back(std::move(game)); });
+  LoadFrom(originals, kAll, [&](GameRecord&& game) { games.push_back(std::move(game)); });
   Append(games);
   for (const Segment& segment : originals) RemoveFile(PathOf(segment));
   SyncFolder(folder_);

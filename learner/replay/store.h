@@ -29,11 +29,19 @@ class ReplayStore {
   // segment names its file.
   void Load(const std::function<void(GameRecord&&)>& visit) const;
 
-  // Rewrites small segments as one: the merged segment first, then the originals go. Worth calling
-  // once per iteration; a crash in between leaves doubles, which Load drops.
+  // The same for the games whose tickets are `wanted`, which is asked once per stored ticket. Of
+  // segments without a wanted game the tickets alone are read.
+  void Load(const std::function<bool(std::uint64_t)>& wanted,
+            const std::function<void(GameRecord&&)>& visit) const;
+
+  // Rewrites small segments as few: a merged segment first, then its originals go. Worth calling
+  // once per iteration and when there are many; a crash in between leaves doubles, which Load
+  // drops. Takes the memory of about two large segments.
   void Merge();
 
   [[nodiscard]] std::size_t segment_count() const { return segments_.size(); }
+  // What Merge would work on.
+  [[nodiscard]] std::size_t small_segment_count() const;
 
  private:
   struct Segment {
@@ -41,9 +49,9 @@ class ReplayStore {
     std::uint64_t bytes;
   };
   [[nodiscard]] std::filesystem::path PathOf(const Segment& segment) const;
-  // Calls `visit` for the games of `segments` whose ticket did not come before.
-  void LoadFrom(std::span<const Segment> segments,
+  void LoadFrom(std::span<const Segment> segments, const std::function<bool(std::uint64_t)>& wanted,
                 const std::function<void(GameRecord&&)>& visit) const;
+  void MergeAll(std::span<const Segment> originals);
 
   std::filesystem::path folder_;
   std::vector<Segment> segments_;  // ascending by number

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/digest.h"
+#include "common/base/durable_file.h"
 
 namespace powderkeg {
 namespace {
@@ -138,13 +140,9 @@ std::string IterationCsv::Row(const IterationReport& report) {
 
 IterationCsv::IterationCsv(std::filesystem::path path, int next_iteration)
     : path_(std::move(path)) {
-  const std::string kept = RowsToKeep(path_, next_iteration);
-  const std::filesystem::path renewed = path_.string() + ".tmp";
-  std::ofstream(renewed) << kept;
-  std::error_code error;
-  std::filesystem::rename(renewed, path_, error);
+  WriteFileDurably(path_, BytesOf(RowsToKeep(path_, next_iteration)));
   file_.open(path_, std::ios::app);
-  if (error || !file_) throw Error(StrCat("cannot write ", path_.string()));
+  if (!file_) throw Error(StrCat("cannot open ", path_.string(), " to append to it"));
 }
 
 void IterationCsv::Append(const IterationReport& report) {

@@ -12,8 +12,8 @@
 #include "common/base/byte_stream.h"
 #include "common/base/check.h"
 #include "common/base/digest.h"
+#include "common/base/durable_file.h"
 #include "common/base/log.h"
-#include "learner/replay/durable_file.h"
 
 // Format: "PKCHECK1", u32 CRC-32C of the rest, then
 //   u64 number of data sets, each u64 first ticket, u64 last ticket
@@ -79,8 +79,8 @@ fs::path FileName(int iteration) {
 // The checkpoints in the folder, newest first: their names sort by iteration.
 std::vector<fs::path> NewestFirst(const fs::path& folder) {
   std::vector<fs::path> paths;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.path().extension() == kEnding) paths.push_back(entry.path());
+  for (const fs::path& path : FilesIn(folder)) {
+    if (path.extension() == kEnding) paths.push_back(path);
   }
   std::ranges::sort(paths, std::greater());
   return paths;

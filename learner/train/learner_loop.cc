@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/base/durable_file.h"
 #include "common/base/log.h"
-#include "learner/replay/durable_file.h"
 
 namespace powderkeg {
 namespace {
@@ -124,6 +124,11 @@ LearnerLoop::LearnerLoop(LearnerLoopSettings settings, LearnerLoopHooks hooks)
 
 LearnerLoop::~LearnerLoop() = default;
 
+bool LearnerLoop::Wants(std::uint64_t ticket) const {
+  const std::lock_guard lock(mutex_);
+  return schedule_.UseOf(ticket) != Schedule::Use::kNone;
+}
+
 void LearnerLoop::Add(GameRecord&& game) {
   const std::lock_guard lock(mutex_);
   const auto decisions = static_cast<std::uint32_t>(game.decisions.size());
@@ -159,12 +164,17 @@ void LearnerLoop::Run(const std::stop_token& stop) {
 }
 
 void LearnerLoop::RestoreWindow() {
-  const std::lock_guard lock(mutex_);
   for (const TicketRange& range : schedule_.WindowOfNext()) {
+    std::vector<GameRecord> games;
+    {
+      const std::lock_guard lock(mutex_);  // not while they are re-played: the intake asks Full
+      games = TakeGames(range);
+    }
     DataSet data_set;
-    for (const GameRecord& game : TakeGames(range)) AddGame(game, data_set);
+    for (const GameRecord& game : games) AddGame(game, data_set);
     window_.Push(std::move(data_set.samples));
   }
+  const std::lock_guard lock(mutex_);
   window_restored_ = true;
 }
 

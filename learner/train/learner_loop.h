@@ -50,10 +50,12 @@ struct LearnerLoopHooks {
 //
 // How to wire it:
 //   LearnerLoop loop(settings, hooks);                      // resumes from the newest checkpoint
-//   store.Load([&](GameRecord&& game) {                     // every game stored so far, once
-//     intake.MarkDone(game.ticket);
-//     loop.Add(std::move(game));
-//   });
+//   store.Load(
+//       [&](std::uint64_t ticket) {                         // every game stored so far, once
+//         known.push_back(ticket);
+//         return loop.Wants(ticket);
+//       },
+//       [&](GameRecord&& game) { loop.Add(std::move(game)); });
 //   intake.on_durable = [&](GameRecord&& game) { loop.Add(std::move(game)); };
 //   Worker trainer("trainer", [&](const std::stop_token& stop) { loop.Run(stop); });
 // and hand out tickets only while !loop.Full().
@@ -68,6 +70,9 @@ class LearnerLoop {
   ~LearnerLoop();
   LearnerLoop(const LearnerLoop&) = delete;
   LearnerLoop& operator=(const LearnerLoop&) = delete;
+
+  // Whether a game is needed that may have been stored long ago: Add would ignore any other.
+  [[nodiscard]] bool Wants(std::uint64_t ticket) const;
 
   // A verified game that is durable. Doubles and games of finished iterations are ignored. Does not
   // wait, not even while training.

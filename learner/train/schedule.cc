@@ -31,9 +31,13 @@ Schedule::Schedule(int iterations, std::uint64_t decisions_per_iteration, int wi
 }
 
 Schedule::Use Schedule::Add(std::uint64_t ticket, std::uint32_t decisions) {
-  if (ticket >= prefix_.next_ticket()) {
-    return prefix_.Add(ticket, decisions) ? Use::kNextDataSets : Use::kNone;
-  }
+  const Use use = UseOf(ticket);
+  if (use != Use::kNextDataSets) return use;
+  return prefix_.Add(ticket, decisions) ? use : Use::kNone;
+}
+
+Schedule::Use Schedule::UseOf(std::uint64_t ticket) const {
+  if (ticket >= prefix_.next_ticket()) return Use::kNextDataSets;
   const bool in_window = std::ranges::any_of(
       WindowOfNext(), [&](const TicketRange& range) { return range.Has(ticket); });
   return in_window ? Use::kWindow : Use::kNone;

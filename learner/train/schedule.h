@@ -41,6 +41,9 @@ class Schedule {
   // What to do with a finished game.
   Use Add(std::uint64_t ticket, std::uint32_t decisions);
 
+  // What Add would do with a game that is not known yet.
+  [[nodiscard]] Use UseOf(std::uint64_t ticket) const;
+
   // Starts the next iteration if its games are all there; the range is then its data set.
   [[nodiscard]] std::optional<TicketRange> StartIteration();
 

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "common/base/check.h"
-#include "learner/replay/durable_file.h"
+#include "common/base/durable_file.h"
 #include "tests/learner/record_support.h"
 
 namespace powderkeg {

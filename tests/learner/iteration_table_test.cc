@@ -2,7 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <fstream>
 #include <sstream>
 
@@ -118,6 +122,34 @@ TEST(IterationCsv, AForeignFileIsNotOverwritten) {
   EXPECT_THROW(IterationCsv(path, 1), Error);
   EXPECT_EQ(Contents(path), "name,score\nx,1\n");
   EXPECT_THROW(IterationCsv(folder.path() / "missing" / "iterations.csv", 1), Error);
+}
+
+// A restart on a full disk must not cost the rows of weeks.
+TEST(IterationCsv, AFullDiskIsAnErrorAndLosesNoRow) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "iterations.csv";
+  {
+    IterationCsv csv(path, 1);
+    for (int iteration = 1; iteration <= 40; ++iteration) csv.Append(ReportOf(iteration));
+  }
+  const std::string before = Contents(path);
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{1024, 1024};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+      const IterationCsv csv(path, 41);
+    } catch (const Error&) {
+      _exit(0);
+    }
+    _exit(1);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << "no error";
+  EXPECT_EQ(Contents(path), before);
 }
 
 }  // namespace

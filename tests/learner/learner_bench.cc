@@ -43,6 +43,30 @@ void LoadFromStore(benchmark::State& state) {
 }
 BENCHMARK(LoadFromStore)->Unit(benchmark::kMillisecond)->Name("load, decisions");
 
+// A restart of a run whose games were all used long ago.
+void RestartFromStore(benchmark::State& state) {
+  const TemporaryFolder folder;
+  ReplayStore store(folder.path());
+  std::uint64_t ticket = 0;
+  for (int segment = 0; segment < 100; ++segment) {
+    std::vector<GameRecord> games;
+    for (int i = 0; i < 10'000; ++i) games.push_back(RandomRecord(ticket++, 2, 2));
+    store.Append(games);
+  }
+  const bool all = state.range(0) != 0;
+  for (auto _ : state) {
+    store.Load([&](std::uint64_t) { return all; },
+               [](GameRecord&& game) { benchmark::DoNotOptimize(game); });
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(ticket));
+}
+BENCHMARK(RestartFromStore)
+    ->Arg(1)
+    ->Arg(0)
+    ->ArgName("wanted")
+    ->Unit(benchmark::kMillisecond)
+    ->Name("restart, stored games");
+
 void ReplaySamples(benchmark::State& state) {
   const std::vector<GameRecord> games = PlayGames(0, 20);
   std::int64_t decisions = 0;

@@ -11,7 +11,7 @@
 #include <set>
 
 #include "common/base/check.h"
-#include "learner/replay/durable_file.h"
+#include "common/base/durable_file.h"
 #include "tests/learner/record_support.h"
 
 namespace powderkeg {
@@ -24,13 +24,6 @@ std::vector<GameRecord> LoadAll(const ReplayStore& store) {
   std::vector<GameRecord> games;
   store.Load([&](GameRecord&& game) { games.push_back(std::move(game)); });
   return games;
-}
-
-std::vector<fs::path> FilesIn(const fs::path& folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
-  std::ranges::sort(files);
-  return files;
 }
 
 std::string MessageOf(const std::function<void()>& action) {
@@ -86,6 +79,39 @@ TEST(ReplayStore, MergeLeavesOneSegmentWithTheSameGames) {
   store.Merge();
   store.Append(RandomRecords(50, 5));
   EXPECT_EQ(LoadAll(ReplayStore(folder.path())).size(), 55u);
+}
+
+TEST(ReplayStore, LoadsOnlyWhatIsWantedAndAsksOncePerTicket) {
+  const TemporaryFolder folder;
+  ReplayStore store(folder.path());
+  for (std::uint64_t i = 0; i < 4; ++i) store.Append(RandomRecords(i * 5, 5));
+  store.Append(RandomRecords(0, 7));  // doubles
+  std::vector<std::uint64_t> asked;
+  std::vector<std::uint64_t> loaded;
+  store.Load(
+      [&](std::uint64_t ticket) {
+        asked.push_back(ticket);
+        return ticket >= 13;
+      },
+      [&](GameRecord&& game) {
+        EXPECT_EQ(game, RandomRecords(game.ticket / 5 * 5, 5).at(game.ticket % 5));
+        loaded.push_back(game.ticket);
+      });
+  EXPECT_EQ(asked.size(), 20u);
+  EXPECT_EQ(loaded, (std::vector<std::uint64_t>{13, 14, 15, 16, 17, 18, 19}));
+}
+
+TEST(ReplayStore, SegmentsThatAreNotWantedAreNotReadWhole) {
+  const TemporaryFolder folder;
+  ReplayStore store(folder.path());
+  std::vector<GameRecord> games = RandomRecords(0, 5);
+  games[0].actions.resize(10'000);
+  store.Append(games);
+  ASSERT_EQ(store.small_segment_count(), 1u);
+  std::size_t tickets = 0;
+  store.Load([&](std::uint64_t) { return ++tickets == 0; },
+             [](GameRecord&&) { FAIL() << "it was read"; });
+  EXPECT_EQ(tickets, 5u);
 }
 
 TEST(ReplayStore, ACrashBetweenMergeAndRemovalLeavesNoDoubles) {

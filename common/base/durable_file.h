@@ -14,9 +14,9 @@ namespace powderkeg {
 // crash was never acknowledged and may be deleted.
 inline constexpr std::string_view kTemporaryEnding = ".tmp";
 
-// Writes `path` + kTemporaryEnding, flushes it to the device, renames it to `path` and flushes the
-// folder. When it returns the file is durable; if it throws Error (disk full, unwritable folder)
-// whatever `path` held before is untouched.
+// Writes `path` + kTemporaryEnding (two writers of one path must not meet), flushes it to the
+// device, renames it to `path` and flushes the folder. When it returns the file is durable; if it
+// throws Error (disk full, unwritable folder) whatever `path` held before is untouched.
 void WriteFileDurably(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 
 // Throws Error if there is no such file or it cannot be removed; SyncFolder makes it durable.
@@ -27,6 +27,9 @@ void SyncFolder(const std::filesystem::path& folder);
 
 // Creates the folder and its parents if missing and deletes temporaries in it. Throws Error.
 void PrepareFolder(const std::filesystem::path& folder);
+
+// Everything in `folder`, by name. Throws Error.
+[[nodiscard]] std::vector<std::filesystem::path> FilesIn(const std::filesystem::path& folder);
 
 // Throws Error if it cannot be read.
 [[nodiscard]] std::vector<std::uint8_t> ReadFileBytes(const std::filesystem::path& path);

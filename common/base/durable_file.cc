@@ -1,12 +1,11 @@
-#include "learner/replay/durable_file.h"
+#include "common/base/durable_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <system_error>
 
@@ -16,6 +15,8 @@ namespace powderkeg {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t kReadBytes = std::size_t{1} << 20;
 
 [[noreturn]] void Fail(std::string_view what, const fs::path& path, int error) {
   throw Error(StrCat("cannot ", what, " ", path.string(), ": ", std::strerror(error)));
@@ -41,6 +42,17 @@ class Descriptor {
       bytes = bytes.subspan(static_cast<std::size_t>(written));
     }
   }
+  std::vector<std::uint8_t> Read() {
+    std::vector<std::uint8_t> bytes;
+    for (std::size_t size = 0;;) {
+      bytes.resize(size + kReadBytes);
+      const ssize_t got = read(fd_, bytes.data() + size, kReadBytes);
+      if (got < 0 && errno != EINTR) Fail("read", path_, errno);
+      size += static_cast<std::size_t>(std::max<ssize_t>(got, 0));
+      bytes.resize(size);
+      if (got == 0) return bytes;
+    }
+  }
   void Sync() {
     if (fsync(fd_) != 0) Fail("flush", path_, errno);
   }
@@ -60,11 +72,16 @@ class Descriptor {
 void WriteFileDurably(const fs::path& path, std::span<const std::uint8_t> bytes) {
   fs::path temporary = path;
   temporary += kTemporaryEnding;
-  Descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC);
-  file.Write(bytes);
-  file.Sync();
-  file.Close();
-  if (std::rename(temporary.c_str(), path.c_str()) != 0) Fail("rename to", path, errno);
+  try {
+    Descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC);
+    file.Write(bytes);
+    file.Sync();
+    file.Close();
+    if (std::rename(temporary.c_str(), path.c_str()) != 0) Fail("rename to", path, errno);
+  } catch (const Error&) {
+    unlink(temporary.c_str());  // half a file would keep a full disk full
+    throw;
+  }
   SyncFolder(path.parent_path());
 }
 
@@ -80,17 +97,25 @@ void PrepareFolder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) Fail("create", folder, error.value());
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path().extension() == kTemporaryEnding) RemoveFile(entry.path());
+  for (const fs::path& path : FilesIn(folder)) {
+    if (path.extension() == kTemporaryEnding) RemoveFile(path);
+  }
+}
+
+std::vector<fs::path> FilesIn(const fs::path& folder) {
+  std::vector<fs::path> paths;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    paths.push_back(entry->path());
   }
   if (error) Fail("list", folder, error.value());
+  std::ranges::sort(paths);
+  return paths;
 }
 
 std::vector<std::uint8_t> ReadFileBytes(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
-  if (!file) Fail("read", path, errno);
-  return bytes;
+  return Descriptor(path, O_RDONLY | O_CLOEXEC).Read();
 }
 
 }  // namespace powderkeg
