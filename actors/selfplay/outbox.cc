@@ -2,13 +2,12 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -16,6 +15,7 @@
 
 #include "common/base/check.h"
 #include "common/base/digest.h"
+#include "common/base/durable_file.h"
 #include "common/base/log.h"
 
 namespace powderkeg {
@@ -79,6 +79,7 @@ int OpenLocked(const std::filesystem::path& path, int flags) {
   const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_APPEND | flags, 0644);
   if (file < 0) Fail("open", path);
   if (flock(file, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) Fail("lock", path);
     close(file);
     throw Error(StrCat("outbox: another actor uses ", path, "; give each its own --spool"));
   }
@@ -93,21 +94,38 @@ void WriteAll(int file, std::string_view bytes, const std::filesystem::path& pat
   }
 }
 
+std::string ReadAll(int file, const std::filesystem::path& path) {
+  struct stat status {};
+  if (fstat(file, &status) != 0) Fail("read", path);
+  std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
+  for (std::size_t size = 0; size < bytes.size();) {
+    const ssize_t got =
+        pread(file, bytes.data() + size, bytes.size() - size, static_cast<off_t>(size));
+    if (got < 0 && errno != EINTR) Fail("read", path);
+    if (got == 0) throw Error(StrCat("outbox: ", path, " ends after ", size, " bytes"));
+    size += static_cast<std::size_t>(std::max<ssize_t>(got, 0));
+  }
+  return bytes;
+}
+
 }  // namespace
 
 Outbox::Outbox(const std::filesystem::path& folder, std::size_t limit_bytes)
-    : path_(folder / "outbox.spool"), limit_bytes_(limit_bytes) {
+    : path_(folder / "outbox.spool"), run_path_(folder / "run_id"), limit_bytes_(limit_bytes) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   file_ = OpenLocked(path_, 0);
+  if (std::filesystem::exists(run_path_, error)) {
+    const std::vector<std::uint8_t> run_id = ReadFileBytes(run_path_);
+    run_id_.assign(run_id.begin(), run_id.end());
+  }
   Load();
 }
 
 Outbox::~Outbox() { close(file_); }
 
 void Outbox::Load() {
-  std::ifstream input(path_, std::ios::binary);
-  const std::string bytes(std::istreambuf_iterator<char>(input), {});
+  const std::string bytes = ReadAll(file_, path_);
   if (bytes.size() < kMagic.size()) {  // new, or not even its name was written
     if (ftruncate(file_, 0) != 0) Fail("empty", path_);
     WriteAll(file_, kMagic, path_);
@@ -128,6 +146,41 @@ void Outbox::Load() {
   log::Warn("outbox: dropped a damaged end", "file", path_.string(), "bytes",
             bytes.size() - file_bytes_);
   if (ftruncate(file_, static_cast<off_t>(file_bytes_)) != 0) Fail("shorten", path_);
+}
+
+std::vector<std::uint64_t> Outbox::ServeRun(const std::string& run_id) {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::uint64_t> tickets;
+  if (run_id == run_id_) return tickets;
+  if (!run_id_.empty() && !games_.empty()) tickets = SetAside();
+  WriteFileDurably(run_path_, BytesOf(run_id));
+  run_id_ = run_id;
+  return tickets;
+}
+
+std::vector<std::uint64_t> Outbox::SetAside() {
+  std::string run = run_id_;
+  std::ranges::replace(run, '/', '_');
+  std::filesystem::path aside;
+  std::error_code error;
+  for (int i = 1; aside.empty() || std::filesystem::exists(aside, error); ++i) {
+    aside = path_.parent_path() / StrCat("outbox-", run, i == 1 ? "" : StrCat("-", i), ".spool");
+  }
+  if (std::rename(path_.c_str(), aside.c_str()) != 0) Fail("rename", path_);
+  const int file = OpenLocked(path_, 0);
+  WriteAll(file, kMagic, path_);
+  close(file_);
+  file_ = file;
+  file_bytes_ = kMagic.size();
+  std::vector<std::uint64_t> tickets;
+  for (const auto& [ticket, number] : numbers_) tickets.push_back(ticket);
+  log::Warn("set games of another run aside", "run", run_id_, "games", tickets.size(), "file",
+            aside.string());
+  games_.clear();
+  numbers_.clear();
+  record_bytes_ = 0;
+  removed_.notify_all();
+  return tickets;
 }
 
 void Outbox::Add(SealedGame game) {

@@ -32,6 +32,11 @@ class Outbox {
   Outbox(const Outbox&) = delete;
   Outbox& operator=(const Outbox&) = delete;
 
+  // The learner's run is this one. Games of another run, whose tickets mean other games, must not
+  // be sent to it: if there are some they are set aside as outbox-RUN.spool in the folder, and the
+  // outbox is empty. Says whose tickets were set aside. Throws Error.
+  std::vector<std::uint64_t> ServeRun(const std::string& run_id);
+
   // Durable (fsync) when it returns; a ticket that is in it already is dropped. Throws Error if
   // the disk is full; the file is then as before.
   void Add(SealedGame game);
@@ -58,12 +63,15 @@ class Outbox {
   void Load();
   void Append(const std::string& entry);
   void Rewrite();
+  std::vector<std::uint64_t> SetAside();
 
   const std::filesystem::path path_;
+  const std::filesystem::path run_path_;  // a file that holds run_id_
   const std::size_t limit_bytes_;
   mutable std::mutex mutex_;  // guards what follows
   mutable std::condition_variable removed_;
   int file_ = -1;
+  std::string run_id_;  // of the games; empty: nobody has said
   std::size_t file_bytes_ = 0;
   std::map<std::uint64_t, SealedGame> games_;       // by number of Add, from 1
   std::map<std::uint64_t, std::uint64_t> numbers_;  // by ticket

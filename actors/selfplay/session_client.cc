@@ -147,13 +147,17 @@ SessionClient::End SessionClient::Serve(Connection& connection) {
   return *connection.end;
 }
 
+// Tickets that only wait are not claimed: meanwhile they may have become others', and the learner
+// grants what is open anew. Played all the same, they would be played twice, and before those that
+// everybody waits for.
 void SessionClient::Greet(Connection& connection) {
   connection.greeted = connection.channel->Send(Encode(Hello{.run_id = settings_.run_id,
                                                              .build = settings_.build,
                                                              .name = settings_.name,
                                                              .incarnation = settings_.incarnation,
                                                              .loops = settings_.loops,
-                                                             .tickets = tickets_.Held()}));
+                                                             .tickets = tickets_.Started()}));
+  if (connection.greeted) tickets_.DropWaiting();  // until then they can be played
 }
 
 void SessionClient::SendGames(Connection& connection) {
@@ -217,6 +221,11 @@ void SessionClient::Handle(Connection& connection, const std::string& bytes) {
 
 void SessionClient::Handle(Connection& connection, const Welcome& welcome) {
   log::Info("connected to the learner", "run", welcome.run_id);
+  if (const auto aside = outbox_.ServeRun(welcome.run_id); !aside.empty()) {
+    for (const std::uint64_t ticket : aside) tickets_.Settle(ticket);
+    connection.end = End::kRetry;  // Hello has claimed them: the learner would wait for them
+    return;
+  }
   connection.welcomed = true;
   heartbeat_ = welcome.heartbeat;
   dead_after_ = welcome.dead_after;
@@ -249,15 +258,17 @@ void SessionClient::Handle(Connection& /*connection*/, const Ack& ack) {
 
 void SessionClient::Handle(Connection& connection, const WeightsOffer& offer) {
   if (offer.version == 0) {
+    download_.reset();
+    held_.reset();
     {
       const std::lock_guard lock(mutex_);
+      weights_ = nullptr;  // those of another run, if there are any
       no_weights_yet_ = true;
     }
     Changed();
     return;
   }
-  const Snapshot held = weights();
-  if (held && held->version == offer.version) return;
+  if (held_ == offer) return;
   if (download_ && download_->offer == offer) return;
   download_ = Download{.offer = offer, .bytes = {}, .requested_at = {}};
   RequestChunk(connection);
@@ -298,6 +309,7 @@ void SessionClient::FinishDownload(Connection& connection) {
     }
     auto snapshot = std::make_shared<const WeightsSnapshot>(Deserialize(BytesOf(download.bytes)));
     if (snapshot->version != download.offer.version) throw Error("the version does not fit");
+    held_ = download.offer;
     const std::lock_guard lock(mutex_);
     weights_ = std::move(snapshot);
   } catch (const Error& error) {

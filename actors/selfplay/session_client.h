@@ -123,6 +123,7 @@ class SessionClient {
   std::chrono::milliseconds heartbeat_{1000};
   std::chrono::milliseconds dead_after_;
   std::optional<Download> download_;
+  std::optional<WeightsOffer> held_;  // what weights_ were offered as
   Rng rng_;
 
   mutable std::mutex mutex_;  // guards these

@@ -32,6 +32,12 @@ std::optional<std::uint64_t> TicketBook::Take() {
   return lowest->first;
 }
 
+void TicketBook::DropWaiting() {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(waiting_by_ticket_, [](const auto& entry) { return entry.second; });
+  waiting_ = 0;
+}
+
 void TicketBook::PutBack(std::uint64_t ticket) {
   {
     const std::lock_guard lock(mutex_);
@@ -60,6 +66,15 @@ std::vector<std::uint64_t> TicketBook::Held() const {
   const std::lock_guard lock(mutex_);
   std::vector<std::uint64_t> tickets;
   for (const auto& [ticket, waits] : waiting_by_ticket_) tickets.push_back(ticket);
+  return tickets;
+}
+
+std::vector<std::uint64_t> TicketBook::Started() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::uint64_t> tickets;
+  for (const auto& [ticket, waits] : waiting_by_ticket_) {
+    if (!waits) tickets.push_back(ticket);
+  }
   return tickets;
 }
 

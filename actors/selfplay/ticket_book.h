@@ -25,6 +25,8 @@ class TicketBook {
 
   // The lowest waiting ticket; it is in play from now on. nullopt: none waits.
   [[nodiscard]] std::optional<std::uint64_t> Take();
+  // Forgets those that wait.
+  void DropWaiting();
   // A ticket in play waits again: its game was given up.
   void PutBack(std::uint64_t ticket);
 
@@ -36,6 +38,8 @@ class TicketBook {
 
   // All of them, ascending.
   [[nodiscard]] std::vector<std::uint64_t> Held() const;
+  // Those that do not wait, ascending.
+  [[nodiscard]] std::vector<std::uint64_t> Started() const;
   [[nodiscard]] std::size_t waiting() const;
 
  private:

@@ -101,19 +101,20 @@ GamePipeline::VerifiedGame GamePipeline::Check(const SubmittedGame& submitted) c
   verdict.ticket = submitted.game.ticket;
   verdict.bytes = submitted.game.record.size();
   Decoded<GameRecord> decoded = Unseal(submitted.game);
+  verdict.other_settings = submitted.game.settings_digest != settings_digest_;
   if (const auto* malformed = std::get_if<Malformed>(&decoded)) {
     verdict.reason = malformed->reason;
   } else {
     checked.record = std::get<GameRecord>(std::move(decoded));
     if (checked.record.setup != SetupFor(settings_.self_play, verdict.ticket)) {
       verdict.reason = "the setup is not that of the ticket in this run";
+      verdict.outdated = verdict.other_settings;
     } else {
       verdict.reason = Verify(checked.record).value_or("");
     }
   }
   if (!verdict.reason.empty()) verdict.kind = Verdict::Kind::kRejected;
   verdict.decisions = checked.record.decisions.size();
-  verdict.other_settings = submitted.game.settings_digest != settings_digest_;
   return checked;
 }
 

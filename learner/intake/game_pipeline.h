@@ -46,7 +46,9 @@ struct Verdict {
   Kind kind = Kind::kDurable;
   std::string reason;           // of a rejection
   std::size_t decisions = 0;    // of a durable game
-  bool other_settings = false;  // played under other settings of the search than the run's
+  bool other_settings = false;  // played under other settings than the run's
+  // Rejected because the run's games are others now: nobody's fault.
+  bool outdated = false;
 };
 
 // Thread-safe, except that one thread constructs, drains and destroys it.

@@ -57,7 +57,8 @@ SessionServer::SessionServer(SessionServerSettings settings, std::unique_ptr<Ser
       settings_digest_(SettingsDigest(settings_.self_play)),
       channel_(std::move(channel)),
       office_(known, first_open),
-      caught_up_(Clock::now()),
+      last_overdue_(Clock::now()),
+      caught_up_(last_overdue_),
       endpoint_(channel_->endpoint()),
       pipeline_(PipelineSettingsOf(settings_), std::move(append), Durable(known, first_open),
                 waker_) {
@@ -273,6 +274,7 @@ bool SessionServer::Admit(Session& session, SealedGame& game, Ack& ack) {
   switch (office_.StandingOf(game.ticket)) {
     case Standing::kDurable:
       ++counters_.duplicates;
+      session.overdue = false;
       ack.durable.push_back(game.ticket);
       return true;
     case Standing::kNeverIssued:
@@ -298,6 +300,13 @@ void SessionServer::SendChunk(const PeerId& peer, const WeightsRequest& request)
     SendToSession(peer, offered_->offer);
     return;
   }
+  // It asks for the next chunk when it has one, so more than this was not read, or lost by it.
+  std::uint64_t& sent = sessions_.at(peer).weights_bytes;
+  if (sent > 2 * offered_->bytes.size()) {
+    Refuse(peer, {.reason = "it asks for the same weights again and again", .retry = true});
+    return;
+  }
+  sent += std::min<std::uint64_t>(kMaxChunkBytes, offered_->bytes.size() - request.offset_bytes);
   SendToSession(peer,
                 WeightsChunk{.version = request.version,
                              .offset_bytes = request.offset_bytes,
@@ -338,7 +347,7 @@ void SessionServer::Settle(const Verdict& verdict, std::map<PeerId, Ack>& acks) 
   --session.pending;
   Ack& ack = acks[peer->second];
   if (rejected) {
-    ++session.rejected;
+    if (!verdict.outdated) ++session.rejected;
     ack.rejected.push_back({.ticket = verdict.ticket, .reason = verdict.reason});
     if (log_budget_.Spend(Clock::now())) {
       log::Warn("rejected a game", "actor", session.hello.name, "ticket", verdict.ticket, "reason",
@@ -346,6 +355,7 @@ void SessionServer::Settle(const Verdict& verdict, std::map<PeerId, Ack>& acks) 
     }
   } else {
     ++session.games;
+    session.overdue = false;
     ack.durable.push_back(verdict.ticket);
   }
 }
@@ -356,7 +366,7 @@ void SessionServer::TopUp(const PeerId& peer, Ack& ack) {
   const Session& session = found->second;
   const std::size_t target = TicketTarget(session.hello.loops, settings_.self_play.games_in_flight);
   const std::size_t held = office_.held(session.id);
-  if (held >= target || stopping_) return;
+  if (held >= target || session.overdue || stopping_) return;
   using Source = TicketOffice::Source;
   const Source source = settings_.wants_games() ? Source::kOpenThenNew : Source::kOpenOnly;
   ack.tickets = office_.Grant(session.id, target - held, source);
@@ -388,7 +398,10 @@ void SessionServer::OfferNewWeights() {
   if (newest == offered_) return;
   offered_ = std::move(newest);
   std::vector<PeerId> peers;
-  for (const auto& [peer, session] : sessions_) peers.push_back(peer);
+  for (auto& [peer, session] : sessions_) {
+    session.weights_bytes = 0;
+    peers.push_back(peer);
+  }
   for (const PeerId& peer : peers) SendToSession(peer, offered_->offer);
 }
 
@@ -400,8 +413,22 @@ void SessionServer::Tick(Clock::time_point now) {
     if (now - session.last_sent >= settings_.heartbeat) due.push_back(peer);
   }
   for (const PeerId& peer : due) SendToSession(peer, Heartbeat{});
+  TakeBackOverdue(now);
   TopUpEverybody();
   UpdateStatistics(now);
+}
+
+// As long as new games are wanted nobody is idle, and a slow actor has all the time it needs.
+void SessionServer::TakeBackOverdue(Clock::time_point now) {
+  if (now - last_overdue_ < settings_.overdue_after) return;
+  last_overdue_ = now;
+  if (settings_.wants_games()) return;
+  for (const auto& [id, tickets] : office_.TakeBackOverdue()) {
+    Session& session = sessions_.at(peers_.at(id));
+    session.overdue = true;
+    log::Warn("games are overdue, others play them too", "actor", session.hello.name, "games",
+              tickets, "held_s_at_least", settings_.overdue_after.count() / 1000);
+  }
 }
 
 void SessionServer::TopUpEverybody() {

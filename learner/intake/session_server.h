@@ -38,8 +38,12 @@ struct SessionServerSettings {
   // are: actors then run out of tickets and pause.
   std::size_t max_pending_games = 65'536;
   std::size_t max_pending_bytes = std::size_t{256} << 20;
-  // An actor that had so many games rejected in one session is refused.
+  // An actor that had more games rejected in one session is refused. Games that were true under
+  // earlier settings of the run do not count.
   std::uint64_t max_rejected_games = 16;
+  // While no new games are wanted, tickets held for so long (at most twice) are granted to others
+  // too: an actor that hangs must not hold up the run.
+  std::chrono::milliseconds overdue_after{600'000};
   // Whether new games are wanted; while not, only tickets of lost games are handed out. Asked often
   // and on the io thread.
   std::function<bool()> wants_games = [] { return true; };
@@ -116,7 +120,9 @@ class SessionServer {
     Heartbeat heartbeat;
     std::uint64_t games = 0;
     std::uint64_t rejected = 0;
-    std::size_t pending = 0;  // games in the pipeline
+    std::size_t pending = 0;          // games in the pipeline
+    std::uint64_t weights_bytes = 0;  // sent of the weights offered
+    bool overdue = false;             // gets no tickets until one of its games has come
   };
   struct PublishedWeights {
     WeightsOffer offer;
@@ -148,6 +154,7 @@ class SessionServer {
   void TopUpEverybody();
   void OfferNewWeights();
   void Tick(Clock::time_point now);
+  void TakeBackOverdue(Clock::time_point now);
   void EndSilentSessions(Clock::time_point now);
   void UpdateStatistics(Clock::time_point now);
   [[nodiscard]] bool Full() const;
@@ -173,7 +180,8 @@ class SessionServer {
   IntakeStatistics counters_;
   LogBudget log_budget_;
   Clock::time_point last_tick_;
-  Clock::time_point caught_up_;  // when there was nothing left to receive
+  Clock::time_point last_overdue_;  // tickets looked for
+  Clock::time_point caught_up_;     // when there was nothing left to receive
 
   mutable std::mutex mutex_;  // guards these
   std::shared_ptr<const PublishedWeights> newest_;

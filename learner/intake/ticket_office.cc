@@ -6,28 +6,18 @@
 
 namespace powderkeg {
 
-bool TicketSet::Insert(std::uint64_t ticket) {
-  if (Contains(ticket)) return false;
-  beyond_.insert(ticket);
-  while (!beyond_.empty() && *beyond_.begin() == first_open_) {
-    beyond_.erase(beyond_.begin());
-    ++first_open_;
-  }
-  return true;
-}
-
-bool TicketSet::Contains(std::uint64_t ticket) const {
-  return ticket < first_open_ || beyond_.contains(ticket);
-}
-
-std::uint64_t TicketSet::end() const {
-  return beyond_.empty() ? first_open_ : *beyond_.rbegin() + 1;
-}
-
 TicketOffice::TicketOffice(std::span<const std::uint64_t> known, std::uint64_t first_open)
     : durable_(first_open) {
   for (const std::uint64_t ticket : known) durable_.Insert(ticket);
   issued_ = durable_.end();
+  claim_limit_ = issued_ + kMaxLead;
+  const std::uint64_t first_missing = durable_.first_open();
+  if (issued_ - first_missing > known.size() + kMaxMissing) {
+    throw Error(StrCat("the store holds the game of ticket ", issued_ - 1, ", but of the ",
+                       issued_ - first_missing, " from ", first_missing, " on at most ",
+                       known.size(), "; expected at most ", kMaxMissing,
+                       " missing ones: is a segment damaged?"));
+  }
   for (std::uint64_t ticket = durable_.first_open(); ticket < issued_; ++ticket) {
     if (!durable_.Contains(ticket)) open_.insert(ticket);
   }
@@ -47,7 +37,7 @@ std::vector<std::uint64_t> TicketOffice::Grant(SessionId session, std::size_t co
 }
 
 void TicketOffice::Claim(SessionId session, std::span<const std::uint64_t> tickets) {
-  const std::uint64_t limit = std::max(durable_.end(), issued_) + kMaxLead;
+  const std::uint64_t limit = std::max(claim_limit_, issued_);
   for (const std::uint64_t ticket : tickets) {
     if (ticket >= limit) continue;
     while (issued_ <= ticket) open_.insert(open_.end(), issued_++);
@@ -69,9 +59,25 @@ void TicketOffice::Complete(std::uint64_t ticket) {
 
 void TicketOffice::Reject(SessionId session, std::uint64_t ticket) {
   const auto holder = holders_.find(ticket);
-  if (holder == holders_.end() || holder->second != session) return;
+  if (holder == holders_.end() || holder->second.session != session) return;
   LetGo(ticket);
   open_.insert(ticket);
+}
+
+std::map<SessionId, std::size_t> TicketOffice::TakeBackOverdue() {
+  std::map<SessionId, std::size_t> taken;
+  std::vector<std::uint64_t> overdue;
+  for (const auto& [ticket, holder] : holders_) {
+    if (holder.period == period_) continue;
+    overdue.push_back(ticket);
+    ++taken[holder.session];
+  }
+  for (const std::uint64_t ticket : overdue) {
+    LetGo(ticket);
+    open_.insert(ticket);
+  }
+  ++period_;
+  return taken;
 }
 
 void TicketOffice::Release(SessionId session) {
@@ -90,14 +96,14 @@ std::size_t TicketOffice::held(SessionId session) const {
 }
 
 void TicketOffice::Hold(SessionId session, std::uint64_t ticket) {
-  holders_[ticket] = session;
+  holders_[ticket] = {session, period_};
   sessions_[session].insert(ticket);
 }
 
 void TicketOffice::LetGo(std::uint64_t ticket) {
   const auto holder = holders_.find(ticket);
   if (holder == holders_.end()) return;
-  const auto session = sessions_.find(holder->second);
+  const auto session = sessions_.find(holder->second.session);
   session->second.erase(ticket);
   if (session->second.empty()) sessions_.erase(session);
   holders_.erase(holder);

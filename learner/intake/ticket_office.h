@@ -9,27 +9,9 @@
 #include <span>
 #include <vector>
 
+#include "common/record/ticket_set.h"
+
 namespace powderkeg {
-
-// A set of tickets that is mostly a prefix 0, 1, ... of all: small however many games there were.
-// One thread.
-class TicketSet {
- public:
-  // Every ticket below `first_open` is in it.
-  explicit TicketSet(std::uint64_t first_open = 0) : first_open_(first_open) {}
-
-  // False if it was in it already.
-  bool Insert(std::uint64_t ticket);
-  [[nodiscard]] bool Contains(std::uint64_t ticket) const;
-  // The lowest ticket that is not in it.
-  [[nodiscard]] std::uint64_t first_open() const { return first_open_; }
-  // One more than the highest that is in it.
-  [[nodiscard]] std::uint64_t end() const;
-
- private:
-  std::uint64_t first_open_;
-  std::set<std::uint64_t> beyond_;  // those above first_open_
-};
 
 using SessionId = std::uint64_t;
 
@@ -39,6 +21,7 @@ using SessionId = std::uint64_t;
 class TicketOffice {
  public:
   // Durable are, from earlier starts of the learner, all tickets below `first_open` and `known`.
+  // Throws Error if more than kMaxMissing lie between those: no run has so many games in play.
   explicit TicketOffice(std::span<const std::uint64_t> known, std::uint64_t first_open = 0);
 
   enum class Source : std::uint8_t { kOpenThenNew, kOpenOnly };
@@ -48,9 +31,11 @@ class TicketOffice {
 
   // A session returns with tickets it was granted earlier, perhaps before a restart of the
   // learner. It gets those that are open. Numbers beyond the issued ones count as issued with all
-  // below them, unless they exceed them by more than kMaxLead: those are ignored.
+  // below them. Such tickets were issued before this start of the learner: those that exceed what
+  // was durable then by kMaxLead or more are ignored.
   void Claim(SessionId session, std::span<const std::uint64_t> tickets);
   static constexpr std::uint64_t kMaxLead = 1u << 20;
+  static constexpr std::uint64_t kMaxMissing = 1u << 25;
 
   enum class Standing : std::uint8_t { kNeverIssued, kAwaited, kDurable };
   [[nodiscard]] Standing StandingOf(std::uint64_t ticket) const;
@@ -59,6 +44,9 @@ class TicketOffice {
   void Complete(std::uint64_t ticket);
   // The game was refused: if this session holds the ticket, it becomes open.
   void Reject(SessionId session, std::uint64_t ticket);
+  // Every ticket held since before the last call becomes open; says how many by session. Its
+  // holder may still send the game.
+  [[nodiscard]] std::map<SessionId, std::size_t> TakeBackOverdue();
   // The session ended: its tickets become open.
   void Release(SessionId session);
 
@@ -73,10 +61,17 @@ class TicketOffice {
   void Hold(SessionId session, std::uint64_t ticket);
   void LetGo(std::uint64_t ticket);
 
+  struct Holder {
+    SessionId session;
+    std::uint64_t period;  // when it was granted
+  };
+
   TicketSet durable_;
   std::uint64_t issued_;
+  std::uint64_t claim_limit_;  // one more than the highest ticket that may be claimed
+  std::uint64_t period_ = 0;   // between two calls of TakeBackOverdue
   std::set<std::uint64_t> open_;
-  std::map<std::uint64_t, SessionId> holders_;
+  std::map<std::uint64_t, Holder> holders_;
   std::map<SessionId, std::set<std::uint64_t>> sessions_;
 };
 

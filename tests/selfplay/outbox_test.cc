@@ -181,6 +181,50 @@ TEST_F(OutboxTest, AFullDiskIsAnErrorAndHidesNoGame) {
   EXPECT_EQ(Outbox(spool_.path(), kLimit).Tickets(), (std::vector<std::uint64_t>{0, 2}));
 }
 
+// Too many open files is no reason to take the spool for empty.
+TEST_F(OutboxTest, AFileThatCannotBeReadIsNotEmptied) {
+  { Outbox(spool_.path(), kLimit).Add(FakeGame(1)); }
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    const int next = dup(0);  // the number that the spool's file will have
+    close(next);
+    const rlimit limit{static_cast<rlim_t>(next) + 1, static_cast<rlim_t>(next) + 1};
+    if (setrlimit(RLIMIT_NOFILE, &limit) != 0) _exit(1);
+    try {
+      const Outbox outbox(spool_.path(), kLimit);
+    } catch (const Error&) {
+    }
+    _exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  EXPECT_EQ(Outbox(spool_.path(), kLimit).size(), 1u);
+}
+
+TEST_F(OutboxTest, GamesOfAnotherRunAreSetAside) {
+  using Tickets = std::vector<std::uint64_t>;
+  {
+    Outbox outbox(spool_.path(), kLimit);
+    outbox.Add(FakeGame(1));
+    EXPECT_EQ(outbox.ServeRun("first"), Tickets{}) << "nobody has said of which run it is";
+    outbox.Add(FakeGame(2));
+    EXPECT_EQ(outbox.ServeRun("first"), Tickets{});
+  }
+  Outbox outbox(spool_.path(), kLimit);
+  EXPECT_EQ(outbox.ServeRun("../second"), (Tickets{1, 2}));
+  EXPECT_EQ(outbox.size(), 0u);
+  EXPECT_EQ(outbox.bytes(), 0u);
+  outbox.Add(FakeGame(1));
+  EXPECT_EQ(outbox.ServeRun("first"), Tickets{1});
+  EXPECT_EQ(Bytes(), "PKSPOOL1");
+  const TemporarySpool other;
+  std::filesystem::copy(spool_.path() / "outbox-first.spool", other.path() / "outbox.spool");
+  EXPECT_EQ(Outbox(other.path(), kLimit).Tickets(), (Tickets{1, 2})) << "kept whole";
+  EXPECT_TRUE(std::filesystem::exists(spool_.path() / "outbox-.._second.spool"));
+}
+
 TEST(TicketBookTest, GivesTheLowestAndForgetsTheSettled) {
   TicketBook book;
   book.Grant(std::vector<std::uint64_t>{7, 2, 5});
@@ -194,6 +238,17 @@ TEST(TicketBookTest, GivesTheLowestAndForgetsTheSettled) {
   EXPECT_EQ(book.waiting(), 1u);
   EXPECT_EQ(book.Take(), 2u);
   EXPECT_EQ(book.Held(), (std::vector<std::uint64_t>{1, 2, 7}));
+}
+
+TEST(TicketBookTest, WhatWaitsCanBeDropped) {
+  TicketBook book;
+  book.Grant(std::vector<std::uint64_t>{1, 2, 3});
+  book.GrantPlayed(std::vector<std::uint64_t>{0});
+  EXPECT_EQ(book.Take(), 1u);
+  EXPECT_EQ(book.Started(), (std::vector<std::uint64_t>{0, 1}));
+  book.DropWaiting();
+  EXPECT_EQ(book.waiting(), 0u);
+  EXPECT_EQ(book.Held(), (std::vector<std::uint64_t>{0, 1}));
 }
 
 TEST(TicketBookTest, GrantingAgainChangesNothing) {

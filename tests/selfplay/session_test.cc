@@ -14,6 +14,7 @@
 #include "actors/selfplay/session_client.h"
 #include "actors/selfplay/ticket_book.h"
 #include "common/base/check.h"
+#include "common/config/config.h"
 #include "common/model/network_description.h"
 #include "common/wire/codec.h"
 #include "common/wire/in_process_transport.h"
@@ -148,7 +149,7 @@ TEST(SessionTest, AnActorThatForgesOnIsRefusedForGood) {
   for (int i = 0; i < 3; ++i) {
     GameRecord record = PlayTicket(QuickConfig(), *actor.tickets.Take());
     record.setup.seed += 1;
-    actor.Send(Seal(record, {}));
+    actor.Send(Seal(record, SettingsDigest(QuickConfig())));
   }
   ASSERT_TRUE(Eventually([&] { return actor.client->ended(); }));
   try {
@@ -436,6 +437,160 @@ TEST(SessionTest, HeartbeatsCarryTheActorsCounters) {
     return actors.size() == 1 && actors[0].heartbeat.evaluations == 42;
   }));
   EXPECT_EQ(learner.server->statistics().actors[0].name, "counts");
+}
+
+// Of two runs with equal settings the same ticket is the same game to start with: only the weights
+// that played it tell them apart.
+TEST(SessionTest, GamesOfAnotherRunAreNotSent) {
+  InProcessNetwork network;
+  SessionServerSettings settings = QuickSettings();
+  auto first = std::make_unique<TestLearner>(network.Listen(), settings);
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 1; }));
+  first.reset();
+  EXPECT_EQ(actor.PlayOne(), 0u);
+  settings.run_id = "another";
+  TestLearner second(network.Listen(), settings);
+  ASSERT_TRUE(Eventually([&] { return actor.outbox.size() == 0; }));
+  EXPECT_TRUE(second.games().empty());
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  EXPECT_EQ(actor.PlayOne(), 0u);
+  EXPECT_TRUE(Eventually([&] { return second.Tickets().size() == 1; }));
+}
+
+TEST(SessionTest, EqualVersionsOfOtherWeightsAreFetched) {
+  InProcessNetwork network;
+  auto first = std::make_unique<TestLearner>(network.Listen());
+  TestActor actor([&] { return network.Connect(); });
+  first->server->Publish(SomeWeights(1));
+  ASSERT_TRUE(Eventually([&] { return actor.client->weights() != nullptr; }));
+  first.reset();
+  TestLearner second(network.Listen());
+  auto others = std::make_shared<WeightsSnapshot>(*SomeWeights(9));
+  others->version = 1;
+  second.server->Publish(others);
+  EXPECT_TRUE(Eventually([&] { return *actor.client->weights() == *others; }));
+}
+
+TEST(SessionTest, WeightsOfAnotherRunAreForgottenWhereThereAreNone) {
+  InProcessNetwork network;
+  auto first = std::make_unique<TestLearner>(network.Listen());
+  TestActor actor([&] { return network.Connect(); });
+  first->server->Publish(SomeWeights(1));
+  ASSERT_TRUE(Eventually([&] { return actor.client->weights() != nullptr; }));
+  first.reset();
+  TestLearner second(network.Listen());
+  second.server->Publish(nullptr);
+  EXPECT_TRUE(Eventually([&] { return actor.client->weights() == nullptr; }));
+  EXPECT_TRUE(actor.client->no_weights_yet());
+}
+
+// Else an actor that was cut off again and again would first play what others have played long ago,
+// and everybody would wait for its newest tickets.
+TEST(SessionTest, TicketsThatOnlyWaitAreGivenUpWithTheConnection) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  TestActor actor([&] { return network.Connect(); }, "a");
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  const std::uint64_t in_play = actor.tickets.Take().value();
+  const std::vector<std::uint64_t> held = actor.tickets.Held();
+  network.FilterToServer([](const std::string&) { return false; });
+  ASSERT_TRUE(Eventually([&] { return learner.server->statistics().sessions_lost == 1; }));
+  network.FilterToServer([](const std::string& bytes) {  // the other one alone
+    const auto message = std::get<WireMessage>(Decode(bytes));
+    const auto* hello = std::get_if<Hello>(&message);
+    return hello == nullptr || hello->name != "a";
+  });
+  TestActor other([&] { return network.Connect(); }, "other");
+  ASSERT_TRUE(Eventually([&] { return other.tickets.waiting() > 0; }));
+  EXPECT_EQ(other.tickets.Held(), held);
+  network.FilterToServer([](const std::string&) { return true; });
+  ASSERT_TRUE(Eventually([&] { return learner.server->statistics().actors.size() == 2; }));
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.Held().back() > held.back(); }));
+  for (const std::uint64_t ticket : actor.tickets.Held()) {
+    EXPECT_TRUE(ticket == in_play || ticket > held.back()) << ticket;
+  }
+}
+
+// Their games were true when they were played: that is no reason to lose the actor.
+TEST(SessionTest, AnActorWithGamesOfEarlierSettingsIsNotRefused) {
+  InProcessNetwork network;
+  SessionServerSettings settings = QuickSettings();
+  settings.max_rejected_games = 2;
+  settings.self_play.seed = 77;
+  TestLearner learner(network.Listen(), settings);
+  TestActor actor([&] { return network.Connect(); });
+  const Sha256Digest earlier = SettingsDigest(QuickConfig());
+  for (std::uint64_t ticket = 0; ticket < 4; ++ticket) {
+    actor.Send(Seal(PlayTicket(QuickConfig(), ticket), earlier));
+  }
+  EXPECT_TRUE(Eventually([&] { return actor.outbox.size() == 0; }));
+  EXPECT_TRUE(Eventually([&] { return learner.server->statistics().rejected == 4; }));
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  EXPECT_FALSE(actor.client->ended());
+}
+
+// What lies in the queue of a peer that does not read is bounded by the weights, twice.
+TEST(SessionTest, WeightsAreNotSentAgainAndAgain) {
+  InProcessNetwork network;
+  TestLearner learner(network.Listen());
+  const Snapshot weights = SomeWeights(1);
+  const std::size_t size = Serialize(*weights).size();
+  learner.server->Publish(weights);
+  const auto greedy = network.Connect();
+  const Waker waker;
+  const auto receive = [&] {
+    std::optional<std::string> bytes;
+    (void)Eventually(
+        [&] { return (bytes = greedy->Receive(milliseconds(50), waker)).has_value(); });
+    return bytes;
+  };
+  ASSERT_TRUE(greedy->Send(Encode(Hello{.name = "greedy"})));
+  for (bool offered = false; !offered;) {
+    const auto bytes = receive();
+    ASSERT_TRUE(bytes) << "never offered";
+    offered = std::holds_alternative<WeightsOffer>(std::get<WireMessage>(Decode(*bytes)));
+  }
+  const int requests = static_cast<int>(10 + 10 * size / kMaxChunkBytes);
+  for (int i = 0; i < requests; ++i) {
+    ASSERT_TRUE(greedy->Send(Encode(WeightsRequest{.version = 1, .offset_bytes = 0})));
+  }
+  std::size_t received = 0;
+  bool refused = false;
+  while (!refused) {
+    const auto bytes = receive();
+    ASSERT_TRUE(bytes) << "never refused";
+    const auto message = std::get<WireMessage>(Decode(*bytes));
+    if (const auto* chunk = std::get_if<WeightsChunk>(&message)) received += chunk->data.size();
+    refused = std::holds_alternative<Refused>(message);
+  }
+  EXPECT_LE(received, 2 * size + 2 * kMaxChunkBytes);
+}
+
+TEST(SessionTest, GamesOfAnActorThatHangsAreGrantedToAnother) {
+  std::atomic<bool> wanted = true;
+  InProcessNetwork network;
+  SessionServerSettings settings = QuickSettings();
+  settings.overdue_after = milliseconds(30);
+  settings.wants_games = [&wanted] { return wanted.load(); };
+  TestLearner learner(network.Listen(), settings);
+  TestActor hanging([&] { return network.Connect(); }, "hanging");
+  ASSERT_TRUE(Eventually([&] { return hanging.tickets.waiting() > 0; }));
+  const std::vector<std::uint64_t> held = hanging.tickets.Held();
+  std::this_thread::sleep_for(milliseconds(150));
+  EXPECT_EQ(learner.server->statistics().actors.at(0).tickets, held.size()) << "nobody is idle";
+  wanted = false;
+  ASSERT_TRUE(Eventually([&] { return learner.server->statistics().actors.at(0).tickets == 0; }));
+  TestActor other([&] { return network.Connect(); }, "other");
+  ASSERT_TRUE(Eventually([&] { return other.tickets.waiting() == held.size(); }));
+  EXPECT_EQ(other.tickets.Held(), held);
+  other.PlayOne();
+  EXPECT_TRUE(Eventually([&] { return learner.Tickets().size() == 1; }));
+  hanging.PlayOne();  // it was only slow: the same game, which is acknowledged all the same
+  EXPECT_TRUE(Eventually([&] { return hanging.outbox.size() == 0; }));
+  EXPECT_EQ(learner.Tickets().size(), 1u);
+  wanted = true;
+  EXPECT_TRUE(Eventually([&] { return hanging.tickets.Held().back() > held.back(); }));
 }
 
 }  // namespace

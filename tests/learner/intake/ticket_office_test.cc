@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "common/base/check.h"
 #include "common/base/rng.h"
 
 namespace powderkeg {
@@ -87,6 +88,11 @@ TEST(TicketOfficeTest, RestartsFromWhatIsKnown) {
   EXPECT_EQ(later.Grant(1, 1), (Tickets{10}));
 }
 
+TEST(TicketOfficeTest, AnAbsurdTicketInTheStoreIsAnError) {
+  EXPECT_THROW(TicketOffice(Tickets{0, 1, std::uint64_t{1} << 62}), Error);
+  EXPECT_THROW(TicketOffice(Tickets{TicketOffice::kMaxMissing + 2}), Error);
+}
+
 TEST(TicketOfficeTest, AReturningActorKeepsItsTickets) {
   const Tickets known = {0, 1};
   TicketOffice office(known);
@@ -141,6 +147,29 @@ TEST(TicketOfficeTest, HoldsUnderRandomEvents) {
   while (office.first_open() < office.issued()) {
     for (const std::uint64_t ticket : office.Grant(9, 1)) office.Complete(ticket);
   }
+}
+
+// However often somebody claims: what claims may add is bounded for good.
+TEST(TicketOfficeTest, ClaimsDoNotAddUp) {
+  TicketOffice office(Tickets{0, 1, 2});
+  for (int i = 0; i < 3; ++i) {
+    office.Claim(1, Tickets{office.issued() + TicketOffice::kMaxLead - 1});
+  }
+  EXPECT_LE(office.issued(), 3 + TicketOffice::kMaxLead);
+}
+
+TEST(TicketOfficeTest, OverdueTicketsGoToOthersAndTheFirstGameCounts) {
+  using Overdue = std::map<SessionId, std::size_t>;
+  TicketOffice office({});
+  (void)office.Grant(1, 2);
+  EXPECT_EQ(office.TakeBackOverdue(), Overdue{}) << "they were just granted";
+  (void)office.Grant(2, 1);
+  EXPECT_EQ(office.TakeBackOverdue(), (Overdue{{1, 2}}));
+  EXPECT_EQ(office.held(1), 0u);
+  EXPECT_EQ(office.Grant(3, 2), (Tickets{0, 1}));
+  office.Complete(0);  // sent by 1 after all
+  EXPECT_EQ(office.held(3), 1u);
+  EXPECT_EQ(office.TakeBackOverdue(), (Overdue{{2, 1}}));
 }
 
 }  // namespace
