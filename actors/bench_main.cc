@@ -20,6 +20,7 @@
 #ifdef POWDERKEG_HAS_ONEDNN
 #include "tests/bench/bench_clock.h"
 #include "tests/bench/bench_model.h"
+#include "tests/bench/bench_selfplay.h"
 #endif
 #ifdef POWDERKEG_HAS_TORCH
 #include "tests/bench/bench_cuda.h"
@@ -44,9 +45,12 @@ std::vector<Suite> Suites() {
       {"step", "rules, observations, legal actions, start positions", BenchStep},
       {"policies", "rule-based games, decisions and verification", BenchPolicies},
       {"wire", "size of games as sent, the learner's intake (with HDF5 on disk)", BenchWire},
-      {"search", "simulations, their parts, and the signature of the search", BenchSearch},
+      {"search", "simulations of both trees, their parts, the signature of the search",
+       BenchSearch},
 #ifdef POWDERKEG_HAS_ONEDNN
       {"model", "planes and network evaluations", BenchModel},
+      {"selfplay", "a game loop of an actor: simulations, evaluations, where the time goes",
+       BenchSelfPlay},
       {"clock", "one search under a clock, on one core and on two", BenchClock},
 #endif
 #ifdef POWDERKEG_HAS_TORCH

@@ -1,5 +1,6 @@
 #include "tests/bench/bench_search.h"
 
+#include <algorithm>
 #include <ctime>
 #include <span>
 
@@ -20,15 +21,35 @@ double CpuSeconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// Calls visit(position, models) along the games that agent 0's best moves and everybody's models
-// play.
-template <typename Visit>
-void PlayGames(const SearchSettings& settings, Visit&& visit) {
+// What a search starts from.
+struct Sample {
+  State position;
+  OpponentModels models;
+};
+
+SearchSettings SettingsFor(TreeKind tree, int simulations) {
+  SearchSettings settings;
+  settings.tree = tree;
+  settings.simulations = simulations;
+  settings.opponents.fill(OpponentModel::kSimpleUnbiased);
+  settings.tree_reuse = false;
+  return settings;
+}
+
+// The games that agent 0's best moves and everybody's models play, while everybody lives.
+std::vector<Sample> PlayGames() {
+  const SearchSettings settings = SettingsFor(TreeKind::kOnePlayer, 250);
+  Search search(settings, {});
+  UniformEvaluator evaluator;
+  std::vector<Sample> samples;
   for (std::uint64_t seed = 0; seed < kGames; ++seed) {
     State state = KnownStart(seed);
     OpponentModels models = ModelsAtStart(settings, 0, {}, seed);
-    for (int move = 0; move < kMoves && state.agents[0].alive; ++move) {
-      const SearchResult result = visit(state, models);
+    for (int move = 0; move < kMoves && std::ranges::all_of(state.agents, &AgentState::alive);
+         ++move) {
+      samples.push_back({state, models});
+      search.Start(state, models, Rng(1));
+      const SearchResult result = Finish(search, evaluator);
       JointAction actions = result.expected_actions;
       actions[0] = result.best;
       const State before = state;
@@ -36,38 +57,19 @@ void PlayGames(const SearchSettings& settings, Visit&& visit) {
       models.ObserveStep(before, state);
     }
   }
+  return samples;
 }
 
-double SimulationsPerSecond(int simulations) {
-  SearchSettings settings;
-  settings.simulations = simulations;
-  settings.opponents.fill(OpponentModel::kSimpleUnbiased);
-  settings.tree_reuse = false;
-  Search search(settings, {});
+double SimulationsPerSecond(std::span<const Sample> samples, TreeKind tree, int simulations) {
+  Search search(SettingsFor(tree, simulations), {});
   UniformEvaluator evaluator;
-  double seconds = 0;
   double all = 0;
-  PlayGames(settings, [&](const State& state, const OpponentModels& models) {
-    const double start = CpuSeconds();
-    search.Start(state, models, Rng(1));
-    const SearchResult result = Finish(search, evaluator);
-    seconds += CpuSeconds() - start;
-    all += result.simulations;
-    return result;
-  });
-  return all / seconds;
-}
-
-std::vector<State> SamplePositions() {
-  std::vector<State> positions;
-  PlayGames({}, [&](const State& state, const OpponentModels& models) {
-    positions.push_back(state);
-    Search search(SearchSettings{}, {});
-    UniformEvaluator evaluator;
-    search.Start(state, models, Rng(1));
-    return Finish(search, evaluator);
-  });
-  return positions;
+  const double start = CpuSeconds();
+  for (const Sample& sample : samples) {
+    search.Start(sample.position, sample.models, Rng(1));
+    all += Finish(search, evaluator).simulations;
+  }
+  return all / (CpuSeconds() - start);
 }
 
 // Mean nanoseconds of work(position) over many rounds; the sum of its results is kept alive.
@@ -144,10 +146,19 @@ double NanosecondsForEdges(std::span<const State> positions) {
 }  // namespace
 
 std::vector<BenchFigure> BenchSearch() {
-  const std::vector<State> positions = SamplePositions();
+  constexpr TreeKind kOne = TreeKind::kOnePlayer;
+  constexpr TreeKind kTwo = TreeKind::kTwoPlayer;
+  const std::vector<Sample> samples = PlayGames();
+  std::vector<State> positions;
+  for (const Sample& sample : samples) positions.push_back(sample.position);
+  const auto rate = [&samples](TreeKind tree, int simulations) {
+    return SimulationsPerSecond(samples, tree, simulations);
+  };
   return {
-      {"search.simulations_per_s.250", SimulationsPerSecond(250), "simulations/s"},
-      {"search.simulations_per_s.1000", SimulationsPerSecond(1000), "simulations/s"},
+      {"search.simulations_per_s.250", rate(kOne, 250), "simulations/s"},
+      {"search.simulations_per_s.1000", rate(kOne, 1000), "simulations/s"},
+      {"search.two_player.simulations_per_s.250", rate(kTwo, 250), "simulations/s"},
+      {"search.two_player.simulations_per_s.1000", rate(kTwo, 1000), "simulations/s"},
       {"search.part.step", NanosecondsToStep(positions), "ns"},
       {"search.part.opponents", NanosecondsForOpponents(positions), "ns"},
       {"search.part.edges", NanosecondsForEdges(positions), "ns"},

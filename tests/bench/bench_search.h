@@ -8,9 +8,10 @@
 
 namespace powderkeg {
 
-// Simulations per second of one search alone, with the uniform evaluator and three SimpleUnbiased
-// models, through the first moves of several games; the parts of a simulation in nanoseconds; the
-// size of a node; the signature that pins the search's behaviour. CPU time of one thread.
+// Simulations per second of one search alone, in a one-player and in a two-player tree, with the
+// uniform evaluator and three SimpleUnbiased models, in the first positions of several games, while
+// all four live; the parts of a simulation in nanoseconds; the size of a node; the signature that
+// pins the search's behaviour. CPU time of one thread.
 [[nodiscard]] std::vector<BenchFigure> BenchSearch();
 
 }  // namespace powderkeg
