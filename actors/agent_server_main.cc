@@ -26,6 +26,8 @@ namespace {
 // millisecond of the published network.
 constexpr int kEnoughSimulations = 20'000;
 constexpr int kLeavesPerThread = 4;
+// Of a Gumbel root, as nobody knows how many simulations there will be.
+constexpr int kFirstHalving = 64;
 
 // More threads than this share the leaves of one search badly.
 constexpr int kMostThreads = 4;
@@ -52,10 +54,10 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--model", arguments.model,
                  "weights file of agents that name none, or untrained:NETWORK");
   auto* simulations = app.add_option("--simulations", arguments.simulations, "of a search per move")
-                          ->check(CLI::PositiveNumber);
+                          ->check(CLI::Range(1, 1'000'000));
   app.add_option("--move-time-ms", arguments.move_time_ms,
                  "a search answers after so long at the latest; the official runner waits 150 ms")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1, 3'600'000))
       ->excludes(simulations);
   app.add_option("--seed", arguments.seed, "of all random choices (1)");
   app.add_option("--evaluator", arguments.evaluator.evaluator,
@@ -81,6 +83,9 @@ AgentDescription DescriptionOf(const std::string& text, const Arguments& argumen
     description.search.simulations = kEnoughSimulations;
     description.search.leaves_per_batch = std::max(description.search.leaves_per_batch,
                                                    kLeavesPerThread * arguments.evaluator.threads);
+    if (description.search.gumbel_first_halving == 0) {
+      description.search.gumbel_first_halving = kFirstHalving;
+    }
   }
   const bool thinks = description.kind != AgentDescription::Kind::kRuleBased;
   if (thinks && description.model_file.empty()) description.model_file = arguments.model;
