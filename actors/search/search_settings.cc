@@ -259,7 +259,8 @@ SearchSettings PresetFor(std::string_view name) {
   if (name == "default") return {};
   if (name == "paper") return PaperSettings();
   if (name == "gumbel") return GumbelSettings();
-  RefuseValue("preset", name, "default, paper or gumbel");
+  if (name == "katago") return KataGoSettings();
+  RefuseValue("preset", name, "default, paper, gumbel or katago");
 }
 
 }  // namespace
@@ -278,6 +279,13 @@ SearchSettings PaperSettings() {
 SearchSettings GumbelSettings() {
   SearchSettings settings;
   settings.root = RootSearch::kGumbel;
+  return settings;
+}
+
+SearchSettings KataGoSettings() {
+  SearchSettings settings;
+  settings.full_search_share = 0.25;
+  settings.forced_playouts = 2;
   return settings;
 }
 

@@ -130,10 +130,14 @@ struct SearchSettings {
 
 // The defaults with a Gumbel root.
 [[nodiscard]] SearchSettings GumbelSettings();
+// For self-play, after Wu 2019 ("Accelerating self-play learning in Go", 3.1 and 3.2): a quarter of
+// the searches are full ones and teach a policy, with forced playouts that are pruned from the
+// target; the others are short.
+[[nodiscard]] SearchSettings KataGoSettings();
 
 // Sets one option from text. Throws Error for an unknown name (lists the known ones) and for a bad
-// value (says the value and what is allowed). The option "preset" (default | paper | gumbel)
-// replaces every setting: it must come first.
+// value (says the value and what is allowed). The option "preset" (default | paper | gumbel |
+// katago) replaces every setting: it must come first.
 void SetOption(SearchSettings& settings, std::string_view name, std::string_view value);
 
 // The defaults changed by the options in order, except that a preset is applied first. Throws

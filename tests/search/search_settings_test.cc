@@ -55,6 +55,8 @@ TEST(SearchSettings, PresetIsAppliedBeforeOtherOptions) {
   EXPECT_EQ(ParseSearchSettings("simulations=50,preset=paper"), expected);
   EXPECT_EQ(ParseSearchSettings("preset=default"), SearchSettings());
   EXPECT_EQ(ParseSearchSettings("preset=gumbel"), ParseSearchSettings("root=gumbel"));
+  EXPECT_EQ(ParseSearchSettings("preset=katago"),
+            ParseSearchSettings("full_search_share=0.25,forced_playouts=2"));
 }
 
 TEST(SearchSettings, UnknownOptionListsTheKnownOnes) {
@@ -73,7 +75,7 @@ TEST(SearchSettings, BadValuesSayWhatIsAllowed) {
   EXPECT_THAT(MessageFor("tree_reuse", "yes"), HasSubstr("false or true"));
   EXPECT_THAT(MessageFor("opponents", "idle/idle"), HasSubstr("three separated by '/'"));
   EXPECT_THAT(MessageFor("opponents", "idle/idle/alien"), HasSubstr("simple_unbiased"));
-  EXPECT_THAT(MessageFor("preset", "best"), HasSubstr("default, paper or gumbel"));
+  EXPECT_THAT(MessageFor("preset", "best"), HasSubstr("default, paper, gumbel or katago"));
   EXPECT_THAT(MessageFor("root", "uct"), AllOf(HasSubstr("'uct'"), HasSubstr("puct or gumbel")));
   EXPECT_THAT(MessageFor("gumbel_considered", "7"), HasSubstr("from 1 to 6"));
   EXPECT_THAT(MessageFor("gumbel_scale", "-1"), HasSubstr("'-1'"));
