@@ -24,6 +24,7 @@ constexpr float kHeadroom = 1.1F;
 constexpr int kPositions = 96;
 constexpr int kStepsBetween = 7;
 constexpr int kBatch = 8;
+static_assert(kPositions % kBatch == 0, "a batch that is not full would be left out");
 
 float LargestOf(std::span<const float> values) {
   float largest = 0;

@@ -1,13 +1,13 @@
 #include "tests/bench/bench_model.h"
 
 #include <array>
-#include <ctime>
 #include <functional>
 #include <memory>
 
 #include "common/base/check.h"
 #include "common/model/planes.h"
 #include "common/onednn/onednn_evaluator.h"
+#include "tests/bench/cpu_time.h"
 #include "tests/model/positions.h"
 
 namespace powderkeg {
@@ -16,20 +16,14 @@ namespace {
 constexpr int kPositions = 256;
 constexpr double kMeasuredSeconds = 0.2;
 
-double ThreadSeconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 // Items per second of CPU time of work(), which handles `items` a call; the first call is not
 // counted.
 double Rate(double items, const std::function<void()>& work) {
   work();
-  const double start = ThreadSeconds();
+  const double start = ThreadCpuSeconds();
   double calls = 0;
   double elapsed = 0;
-  for (; elapsed < kMeasuredSeconds; elapsed = ThreadSeconds() - start) {
+  for (; elapsed < kMeasuredSeconds; elapsed = ThreadCpuSeconds() - start) {
     work();
     ++calls;
   }

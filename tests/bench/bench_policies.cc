@@ -1,33 +1,27 @@
 #include "tests/bench/bench_policies.h"
 
-#include <ctime>
 #include <functional>
 
 #include "common/base/check.h"
 #include "common/record/game_record.h"
 #include "common/record/rule_based_seat.h"
+#include "tests/bench/cpu_time.h"
 
 namespace powderkeg {
 
 namespace {
-
-double CpuSeconds() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 constexpr double kSecondsPerFigure = 0.5;
 
 // How many units of work per CPU second `work` does, called with 0, 1, 2 and so on.
 double Rate(const std::function<long(std::uint64_t)>& work) {
   (void)work(0);
-  const double start = CpuSeconds();
+  const double start = ThreadCpuSeconds();
   long done = 0;
   double seconds = 0;
   for (std::uint64_t call = 1; seconds < kSecondsPerFigure; ++call) {
     done += work(call);
-    seconds = CpuSeconds() - start;
+    seconds = ThreadCpuSeconds() - start;
   }
   return static_cast<double>(done) / seconds;
 }

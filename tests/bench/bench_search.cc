@@ -1,12 +1,12 @@
 #include "tests/bench/bench_search.h"
 
 #include <algorithm>
-#include <ctime>
 #include <span>
 
 #include "actors/search/search.h"
 #include "actors/search/tree.h"
 #include "common/pommerman/step.h"
+#include "tests/bench/cpu_time.h"
 #include "tests/search/search_support.h"
 
 namespace powderkeg {
@@ -14,12 +14,6 @@ namespace {
 
 constexpr int kGames = 4;
 constexpr int kMoves = 40;
-
-double CpuSeconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 // What a search starts from.
 struct Sample {
@@ -64,12 +58,12 @@ double SimulationsPerSecond(std::span<const Sample> samples, TreeKind tree, int 
   Search search(SettingsFor(tree, simulations), {});
   UniformEvaluator evaluator;
   double all = 0;
-  const double start = CpuSeconds();
+  const double start = ThreadCpuSeconds();
   for (const Sample& sample : samples) {
     search.Start(sample.position, sample.models, Rng(1));
     all += Finish(search, evaluator).simulations;
   }
-  return all / (CpuSeconds() - start);
+  return all / (ThreadCpuSeconds() - start);
 }
 
 // Mean nanoseconds of work(position) over many rounds; the sum of its results is kept alive.
@@ -77,12 +71,12 @@ template <typename Work>
 double NanosecondsPer(std::span<const State> positions, Work&& work) {
   constexpr int kRounds = 400;
   volatile std::uint64_t sink = 0;
-  const double start = CpuSeconds();
+  const double start = ThreadCpuSeconds();
   for (int round = 0; round < kRounds; ++round) {
     for (const State& position : positions) sink = sink + work(position);
   }
   const auto calls = static_cast<double>(positions.size()) * kRounds;
-  return 1e9 * (CpuSeconds() - start) / calls;
+  return 1e9 * (ThreadCpuSeconds() - start) / calls;
 }
 
 double NanosecondsToStep(std::span<const State> positions) {

@@ -1,6 +1,5 @@
 #include "tests/bench/bench_selfplay.h"
 
-#include <ctime>
 #include <memory>
 #include <numeric>
 #include <string>
@@ -15,6 +14,7 @@
 #include "common/model/evaluation_cache.h"
 #include "common/model/weights_snapshot.h"
 #include "common/record/game_setup.h"
+#include "tests/bench/cpu_time.h"
 #include "tests/learner/record_support.h"
 
 namespace powderkeg {
@@ -24,12 +24,6 @@ constexpr std::uint64_t kTickets = 10'000;     // more than are played
 constexpr std::uint64_t kFinishedBefore = 40;  // games, so that those in play are in all stages
 constexpr double kSettlingSeconds = 1;
 constexpr double kMeasuredSeconds = 3;
-
-double ThreadSeconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 Welcome WelcomeTo250Simulations() {
   Welcome welcome;
@@ -63,9 +57,9 @@ class Loop {
 
   // The CPU time that it took.
   double PlayFor(double seconds) {
-    const double start = ThreadSeconds();
+    const double start = ThreadCpuSeconds();
     double elapsed = 0;
-    for (; elapsed < seconds; elapsed = ThreadSeconds() - start) CHECK(games_.RunRound());
+    for (; elapsed < seconds; elapsed = ThreadCpuSeconds() - start) CHECK(games_.RunRound());
     return elapsed;
   }
 
@@ -97,9 +91,9 @@ class Watched final : public Evaluator {
 
   void Evaluate(const GameSettings& settings, std::span<const Position> positions,
                 std::span<Evaluation> evaluations) override {
-    const double start = ThreadSeconds();
+    const double start = ThreadCpuSeconds();
     evaluator_->Evaluate(settings, positions, evaluations);
-    seconds += ThreadSeconds() - start;
+    seconds += ThreadCpuSeconds() - start;
     ++batches;
   }
   [[nodiscard]] std::string name() const override { return evaluator_->name(); }

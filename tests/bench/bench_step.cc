@@ -1,6 +1,5 @@
 #include "tests/bench/bench_step.h"
 
-#include <ctime>
 #include <string>
 #include <utility>
 
@@ -9,6 +8,7 @@
 #include "common/pommerman/generate.h"
 #include "common/pommerman/observation.h"
 #include "common/pommerman/step.h"
+#include "tests/bench/cpu_time.h"
 
 namespace powderkeg {
 namespace {
@@ -16,22 +16,16 @@ namespace {
 constexpr int kGames = 200;
 constexpr double kSecondsPerFigure = 0.5;
 
-double CpuSeconds() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
 // Repeats `work`, which returns how much it did, and gives the rate after a first, untimed call.
 template <typename Work>
 double Rate(Work&& work) {
   (void)work();
-  const double start = CpuSeconds();
+  const double start = ThreadCpuSeconds();
   long done = 0;
   double seconds = 0;
   while (seconds < kSecondsPerFigure) {
     done += work();
-    seconds = CpuSeconds() - start;
+    seconds = ThreadCpuSeconds() - start;
   }
   return static_cast<double>(done) / seconds;
 }

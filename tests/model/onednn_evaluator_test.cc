@@ -13,6 +13,11 @@ namespace {
 
 class OnednnEvaluatorTest : public testing::TestWithParam<NetworkDescription> {
  protected:
+  [[nodiscard]] CanaryDifference FromReference(Evaluator& evaluator) const {
+    ReferenceEvaluator reference(snapshot_);
+    return Compare(EvaluateAll(evaluator, positions_), EvaluateAll(reference, positions_));
+  }
+
   Snapshot snapshot_ = RandomWeights(GetParam(), /*seed=*/1);
   // A whole slice and a remainder.
   std::vector<State> states_ = PlayedStates(11, /*seed=*/2);
@@ -37,9 +42,7 @@ NetworkDescription OddNetwork() {
 TEST_P(OnednnEvaluatorTest, AnswersAsTheReference) {
   const auto evaluator = MakeOnednnEvaluator(snapshot_, Precision::kFp32);
   EXPECT_EQ(evaluator->name(), "onednn fp32");
-  ReferenceEvaluator reference(snapshot_);
-  const CanaryDifference difference =
-      Compare(EvaluateAll(*evaluator, positions_), EvaluateAll(reference, positions_));
+  const CanaryDifference difference = FromReference(*evaluator);
   EXPECT_LT(difference.policy, 1e-4F);
   EXPECT_LT(difference.value, 1e-4F);
 }
@@ -47,9 +50,7 @@ TEST_P(OnednnEvaluatorTest, AnswersAsTheReference) {
 TEST_P(OnednnEvaluatorTest, Bf16IsClose) {
   const auto evaluator = MakeOnednnEvaluator(snapshot_, Precision::kBf16);
   EXPECT_EQ(evaluator->name(), HasBf16() ? "onednn bf16" : "onednn fp32");
-  ReferenceEvaluator reference(snapshot_);
-  const CanaryDifference difference =
-      Compare(EvaluateAll(*evaluator, positions_), EvaluateAll(reference, positions_));
+  const CanaryDifference difference = FromReference(*evaluator);
   EXPECT_LT(difference.policy, 0.05F);
   EXPECT_LT(difference.value, 0.05F);
 }
@@ -58,9 +59,7 @@ TEST_P(OnednnEvaluatorTest, Int8IsClose) {
   const auto evaluator = MakeOnednnEvaluator(snapshot_, Precision::kInt8);
   if (!HasInt8()) GTEST_SKIP() << "the processor has no VNNI";
   EXPECT_EQ(evaluator->name(), "onednn int8");
-  ReferenceEvaluator reference(snapshot_);
-  const CanaryDifference difference =
-      Compare(EvaluateAll(*evaluator, positions_), EvaluateAll(reference, positions_));
+  const CanaryDifference difference = FromReference(*evaluator);
   EXPECT_LT(difference.policy, 0.05F);
   EXPECT_LT(difference.value, 0.1F);
 }

@@ -8,32 +8,12 @@
 #include <tuple>
 
 #include "common/pommerman/board_text.h"
+#include "tests/search/hash_evaluator.h"
 #include "tests/search/known_answers.h"
 #include "tests/search/search_support.h"
 
 namespace powderkeg {
 namespace {
-
-// Policies and values that differ from position to position and from viewer to viewer.
-class Scattered final : public Evaluator {
- public:
-  void Evaluate(const GameSettings&, std::span<const Position> positions,
-                std::span<Evaluation> evaluations) override {
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-      const State& state = *positions[i].state;
-      Rng rng(state.bomb_cells.low() ^ static_cast<std::uint64_t>(positions[i].viewer));
-      for (const AgentState& agent : state.agents) rng = rng.Split(agent.cell);
-      float total = 0;
-      for (float& share : evaluations[i].policy) {
-        share = static_cast<float>(rng.Uniform());
-        total += share;
-      }
-      for (float& share : evaluations[i].policy) share /= total;
-      evaluations[i].value = static_cast<float>(2 * rng.Uniform() - 1);
-    }
-  }
-  [[nodiscard]] std::string name() const override { return "scattered"; }
-};
 
 // Simulations and the sum of the values that they ended with.
 struct Ended {
@@ -78,7 +58,7 @@ class LeavesInFlight : public testing::TestWithParam<std::tuple<std::string, int
 
   // Finishes the search; looks at the whole tree whenever all answers are there.
   static SearchResult FinishAndCheck(Search& search) {
-    Scattered evaluator;
+    HashEvaluator evaluator;
     EvaluationBatch batch;
     while (search.Gather(batch) && !testing::Test::HasFailure()) {
       evaluator.Evaluate({}, batch.positions(), batch.AllocateEvaluations());

@@ -7,32 +7,11 @@
 
 #include "actors/search/search.h"
 #include "common/pommerman/observation.h"
+#include "tests/search/hash_evaluator.h"
 #include "tests/search/search_support.h"
 
 namespace powderkeg {
 namespace {
-
-// Policies and values that differ from position to position, and checks of what is asked.
-class HashEvaluator final : public Evaluator {
- public:
-  void Evaluate(const GameSettings&, std::span<const Position> positions,
-                std::span<Evaluation> evaluations) override {
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-      const State& state = *positions[i].state;
-      const auto viewer = static_cast<std::size_t>(positions[i].viewer);
-      EXPECT_TRUE(state.agents[viewer].alive);
-      Rng rng(state.bomb_cells.low() ^ state.agents[viewer].cell ^ state.step);
-      float total = 0;
-      for (float& share : evaluations[i].policy) {
-        share = static_cast<float>(rng.Uniform());
-        total += share;
-      }
-      for (float& share : evaluations[i].policy) share /= total;
-      evaluations[i].value = static_cast<float>(2 * rng.Uniform() - 1);
-    }
-  }
-  [[nodiscard]] std::string name() const override { return "hash"; }
-};
 
 void ExpectSound(const SearchSettings& settings, const State& root, AgentId self,
                  const SearchResult& result) {
