@@ -325,6 +325,7 @@ void SessionClient::FinishDownload(Connection& connection) {
 void SessionClient::Handle(Connection& connection, const Goodbye& goodbye) {
   log::Info("the learner said goodbye", "reason", goodbye.reason, "run_complete",
             goodbye.run_complete);
+  connection.channel->Send(Encode(Goodbye{.reason = "the learner said goodbye"}));
   connection.end = goodbye.run_complete ? End::kOver : End::kRetry;
 }
 

@@ -70,7 +70,9 @@ class InProcessServer final : public ServerChannel {
   }
   ~InProcessServer() override {
     const std::lock_guard lock(shared_->mutex);
-    if (shared_->server == inbox_) shared_->server = nullptr;
+    if (shared_->server != inbox_) return;
+    shared_->server = nullptr;
+    for (const auto& [peer, inbox] : shared_->clients) inbox->messages.clear();
   }
 
   bool Send(const PeerId& peer, const std::string& bytes) override {

@@ -37,7 +37,9 @@ struct Incoming {
   std::string bytes;
 };
 
-// The learner's end of all connections. One thread; `Waker` is for the others.
+// The learner's end of all connections. One thread; `Waker` is for the others. Closing it drops
+// what clients have received and not yet read: whoever needs a message read waits for an answer to
+// it.
 class ServerChannel {
  public:
   virtual ~ServerChannel() = default;

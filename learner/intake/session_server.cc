@@ -129,14 +129,28 @@ void SessionServer::RunIo(const std::stop_token& stop) {
     if (now - last_tick_ >= tick) Tick(now);
   }
   HandleVerdicts();
+  TakeLeave();
+  UpdateStatistics(Clock::now());
+  channel_.reset();  // the address is free
+}
+
+// Actors answer Goodbye with Goodbye, which ends their sessions.
+void SessionServer::TakeLeave() {
   Goodbye goodbye;
   {
     const std::lock_guard lock(mutex_);
     goodbye = goodbye_;
   }
-  for (const auto& [peer, session] : sessions_) channel_->Send(peer, Encode(goodbye));
-  UpdateStatistics(Clock::now());
-  channel_.reset();  // the address is free, and what was said is sent
+  SendToAll(goodbye);
+  const Clock::time_point end = Clock::now() + settings_.goodbye_patience;
+  while (!sessions_.empty()) {
+    const auto left = std::chrono::ceil<milliseconds>(end - Clock::now());
+    if (left <= milliseconds(0)) break;
+    if (auto incoming = channel_->Receive(left, waker_)) Handle(*incoming);
+  }
+  for (const auto& [peer, session] : sessions_) {
+    log::Warn("an actor does not answer Goodbye", "name", session.hello.name);
+  }
 }
 
 bool SessionServer::Full() const {
@@ -397,12 +411,8 @@ void SessionServer::OfferNewWeights() {
   }
   if (newest == offered_) return;
   offered_ = std::move(newest);
-  std::vector<PeerId> peers;
-  for (auto& [peer, session] : sessions_) {
-    session.weights_bytes = 0;
-    peers.push_back(peer);
-  }
-  for (const PeerId& peer : peers) SendToSession(peer, offered_->offer);
+  for (auto& [peer, session] : sessions_) session.weights_bytes = 0;
+  SendToAll(offered_->offer);
 }
 
 void SessionServer::Tick(Clock::time_point now) {
@@ -481,6 +491,12 @@ void SessionServer::SendToSession(const PeerId& peer, const WireMessage& message
   }
   log::Warn("an actor does not take messages", "name", session->second.hello.name);
   EndSession(peer);
+}
+
+void SessionServer::SendToAll(const WireMessage& message) {
+  std::vector<PeerId> peers;
+  for (const auto& [peer, session] : sessions_) peers.push_back(peer);
+  for (const PeerId& peer : peers) SendToSession(peer, message);
 }
 
 void SessionServer::Refuse(const PeerId& peer, const Refused& refused) {

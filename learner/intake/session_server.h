@@ -38,6 +38,8 @@ struct SessionServerSettings {
   // are: actors then run out of tickets and pause.
   std::size_t max_pending_games = 65'536;
   std::size_t max_pending_bytes = std::size_t{256} << 20;
+  // The end waits so long for actors to answer its Goodbye: what they have not read then is lost.
+  std::chrono::milliseconds goodbye_patience{2000};
   // An actor that had more games rejected in one session is refused. Games that were true under
   // earlier settings of the run do not count.
   std::uint64_t max_rejected_games = 16;
@@ -103,7 +105,8 @@ class SessionServer {
   [[nodiscard]] bool failed() const;
 
   // Takes no more games, makes durable what was received, acknowledges it, says `goodbye` to every
-  // actor and joins. Rethrows the first Error of a thread.
+  // actor, waits until they have read it (for goodbye_patience at most) and joins. Rethrows the
+  // first Error of a thread.
   void Stop(const Goodbye& goodbye);
 
   // Where actors on this machine connect to.
@@ -156,10 +159,12 @@ class SessionServer {
   void Tick(Clock::time_point now);
   void TakeBackOverdue(Clock::time_point now);
   void EndSilentSessions(Clock::time_point now);
+  void TakeLeave();
   void UpdateStatistics(Clock::time_point now);
   [[nodiscard]] bool Full() const;
   // Ends the session if the peer does not take the message.
   void SendToSession(const PeerId& peer, const WireMessage& message);
+  void SendToAll(const WireMessage& message);
   // Ends the session, if there is one, and says why.
   void Refuse(const PeerId& peer, const Refused& refused);
   void EndSession(const PeerId& peer);

@@ -29,6 +29,21 @@ namespace {
 using std::chrono::milliseconds;
 using testing::HasSubstr;
 
+// Reads a message 50 ms after it has come.
+class SlowChannel final : public ClientChannel {
+ public:
+  explicit SlowChannel(std::unique_ptr<ClientChannel> channel) : channel_(std::move(channel)) {}
+
+  bool Send(const std::string& bytes) override { return channel_->Send(bytes); }
+  std::optional<std::string> Receive(milliseconds timeout, const Waker& waker) override {
+    std::this_thread::sleep_for(milliseconds(50));
+    return channel_->Receive(timeout, waker);
+  }
+
+ private:
+  std::unique_ptr<ClientChannel> channel_;
+};
+
 TEST(SessionTest, AGameIsAcknowledgedWhenItIsDurable) {
   InProcessNetwork network;
   TestLearner learner(network.Listen());
@@ -351,6 +366,34 @@ TEST(SessionTest, TheEndOfTheRunEndsTheActor) {
   learner.server->Stop({.reason = "all iterations are done", .run_complete = true});
   EXPECT_TRUE(Eventually([&] { return actor.client->ended(); }));
   EXPECT_NO_THROW(actor.client->Leave(milliseconds(0)));
+}
+
+// Closing a socket drops what its peers have not read: an actor that just does something else must
+// hear of the end all the same, or it would look for a learner that is gone for ever.
+TEST(SessionTest, ASlowActorHearsOfTheEnd) {
+  InProcessNetwork network;
+  SessionServerSettings settings = QuickSettings();
+  settings.goodbye_patience = std::chrono::seconds(60);
+  TestLearner learner(network.Listen(), settings);
+  TestActor actor([&] { return std::make_unique<SlowChannel>(network.Connect()); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  const auto start = std::chrono::steady_clock::now();
+  learner.server->Stop({.reason = "all iterations are done", .run_complete = true});
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+  EXPECT_TRUE(Eventually([&] { return actor.client->ended(); }));
+}
+
+TEST(SessionTest, AnActorThatHangsDoesNotHoldUpTheEnd) {
+  InProcessNetwork network;
+  SessionServerSettings settings = QuickSettings();
+  settings.goodbye_patience = milliseconds(50);
+  TestLearner learner(network.Listen(), settings);
+  const auto hanging = network.Connect();
+  ASSERT_TRUE(hanging->Send(Encode(Hello{.name = "hanging"})));
+  ASSERT_TRUE(Eventually([&] { return learner.server->statistics().actors.size() == 1; }));
+  const auto start = std::chrono::steady_clock::now();
+  learner.server->Stop({.reason = "the learner stops"});
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
 }
 
 TEST(SessionTest, LeavingWaitsForTheAcknowledgement) {
