@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/model/planes.h"
+#include "common/onednn/depthwise.h"
 
 namespace powderkeg::onednn {
 namespace {
@@ -111,6 +112,8 @@ memory Program::AddBlock(const FoldedBlock& block, const memory& input) {
 
 memory Program::AddConvolution(const FoldedConvolution& layer, const memory& source,
                                Activation activation, const memory* residual) {
+  const bool plain = convolution_type_ == memory::data_type::bf16 && residual == nullptr;
+  if (plain && DepthwiseKernel::CanRun(layer)) return AddDepthwise(layer, source, activation);
   const memory::dims source_dims = source.get_desc().dims();
   const memory::dims strides = {layer.stride, layer.stride};
   const memory::dims padding = {layer.kernel / 2, layer.kernel / 2};
@@ -143,9 +146,29 @@ memory Program::AddConvolution(const FoldedConvolution& layer, const memory& sou
                                        description.weights_desc())},
            {DNNL_ARG_BIAS, Constant(layer.bias, bias, bias)},
            {DNNL_ARG_DST, output}});
-  steps_.back().is_convolution = true;
+  steps_.back().convolved = output;
   ReleaseCopy(input, source);
   if (residual != nullptr) ReleaseCopy(*residual, output);
+  return output;
+}
+
+memory Program::AddDepthwise(const FoldedConvolution& layer, const memory& source,
+                             Activation activation) {
+  const memory::dims source_dims = source.get_desc().dims();
+  const memory input = Converted(source, Desc(source_dims, convolution_type_, Tag::nhwc));
+  const memory output =
+      arena_.Acquire(Desc(OutputDims(layer, source_dims), convolution_type_, Tag::nhwc), engine_);
+  const float negative_slope = activation == Activation::kLeaky ? leaky_slope_ : 1;
+  steps_.push_back({.run =
+                        [this, kernel = DepthwiseKernel(layer, negative_slope), input, output,
+                         side = static_cast<int>(source_dims[2])] {
+                          kernel.Run(positions_, side,
+                                     static_cast<const std::uint16_t*>(input.get_data_handle()),
+                                     static_cast<std::uint16_t*>(output.get_data_handle()));
+                        },
+                    .convolved = output});
+  ++convolutions_;
+  ReleaseCopy(input, source);
   return output;
 }
 
@@ -209,21 +232,24 @@ void Program::AddStep(const dnnl::primitive_desc_base& description, dnnl::primit
     arguments.emplace(DNNL_ARG_SCRATCHPAD, scratch);
     arena_.Release(scratch);
   }
-  implementations_.emplace_back(description.impl_info_str());
-  steps_.push_back({.primitive = std::move(primitive), .arguments = std::move(arguments)});
+  steps_.push_back(
+      {.run = [this, primitive = std::move(primitive),
+               arguments = std::move(arguments)] { primitive.execute(stream_, arguments); },
+       .convolved = {}});
 }
 
+// A CPU stream of oneDNN is in order, and done with a step when its call returns.
 void Program::Run() {
-  for (const Step& step : steps_) step.primitive.execute(stream_, step.arguments);
+  for (const Step& step : steps_) step.run();
   stream_.wait();
 }
 
 void Program::Run(const Observer& observe) {
   std::size_t convolution = 0;
   for (const Step& step : steps_) {
-    step.primitive.execute(stream_, step.arguments);
+    step.run();
     stream_.wait();
-    if (step.is_convolution) observe(convolution++, step.arguments.at(DNNL_ARG_DST));
+    if (step.convolved) observe(convolution++, step.convolved);
   }
 }
 

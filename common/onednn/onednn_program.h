@@ -63,14 +63,10 @@ class Program {
   // needs_tower.
   [[nodiscard]] std::span<const float> tower() const { return tower_; }
 
-  // How oneDNN implements each step, for logs and tests.
-  [[nodiscard]] const std::vector<std::string>& implementations() const { return implementations_; }
-
  private:
   struct Step {
-    dnnl::primitive primitive;
-    std::unordered_map<int, dnnl::memory> arguments;
-    bool is_convolution = false;
+    std::function<void()> run;
+    dnnl::memory convolved;  // what a convolution leaves; empty for other steps
   };
 
   // `quantized`: null where weights and activations are floats.
@@ -83,6 +79,9 @@ class Program {
   [[nodiscard]] dnnl::memory AddConvolution(const FoldedConvolution& layer,
                                             const dnnl::memory& source, Activation activation,
                                             const dnnl::memory* residual = nullptr);
+  // The same by our own kernel.
+  [[nodiscard]] dnnl::memory AddDepthwise(const FoldedConvolution& layer,
+                                          const dnnl::memory& source, Activation activation);
   // Into output(). `source` has as many values per position as the layer has inputs.
   void AddLinear(const LinearLayer& layer, const dnnl::memory& source);
   // Copies the tower's result to tower().
@@ -111,7 +110,6 @@ class Program {
   dnnl::stream stream_;
   Arena arena_;
   std::vector<Step> steps_;
-  std::vector<std::string> implementations_;
   std::vector<float> input_;
   std::vector<float> output_;
   std::vector<float> tower_;
