@@ -2,7 +2,6 @@
 
 #include <bit>
 
-#include "common/base/check.h"
 #include "common/pommerman/step.h"
 
 namespace powderkeg {
@@ -43,15 +42,6 @@ void RuleBasedAgent::Begin(const Observation& observation) {
   belief_->Observe(observation);
   const PolicyView view{belief_->state(), settings_, belief_->self(), belief_->visible()};
   action_ = Decide(kind_, view, traits_, memory_, rng_);
-}
-
-Action BestAction(const std::array<float, kActionCount>& policy, unsigned legal) {
-  CHECK(legal != 0);
-  int best = std::countr_zero(legal);
-  for (int action = best + 1; action < kActionCount; ++action) {
-    if ((legal >> action & 1) != 0 && policy[action] > policy[best]) best = action;
-  }
-  return static_cast<Action>(best);
 }
 
 }  // namespace powderkeg

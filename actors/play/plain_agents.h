@@ -52,7 +52,4 @@ class RuleBasedAgent final : public Agent {
   Action action_ = Action::kStop;
 };
 
-// The action of `legal` with the highest probability; ties go to the lowest.
-[[nodiscard]] Action BestAction(const std::array<float, kActionCount>& policy, unsigned legal);
-
 }  // namespace powderkeg

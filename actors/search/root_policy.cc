@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/model/evaluator.h"
+
 namespace powderkeg {
 namespace {
 
@@ -64,14 +66,6 @@ std::size_t MostValuable(const RootStatistics& root, std::size_t at_least) {
   return best;
 }
 
-std::size_t MostProbable(const RootStatistics& root) {
-  auto best = static_cast<std::size_t>(std::countr_zero(root.legal));
-  for (std::size_t a = best + 1; a < kActionCount; ++a) {
-    if ((root.legal >> a & 1) != 0 && root.priors[a] > root.priors[best]) best = a;
-  }
-  return best;
-}
-
 // k P N, the square of the visits that are forced.
 double ForcedVisitsSquared(double k, const RootStatistics& root, std::size_t action) {
   const double all = std::accumulate(root.visits.begin(), root.visits.end(), 0.0);
@@ -100,7 +94,7 @@ std::array<float, kActionCount> WithNoise(const SearchSettings& settings,
 
 Action ChooseMove(const SearchSettings& settings, const RootStatistics& root, Rng rng) {
   if (std::ranges::all_of(root.visits, [](std::uint32_t visits) { return visits == 0; })) {
-    return static_cast<Action>(MostProbable(root));
+    return BestAction(root.priors, root.legal);
   }
   const Scores scores = ScoresOf(settings, root);
   std::size_t chosen = settings.temperature > 0 ? Draw(scores, settings.temperature, rng)

@@ -48,15 +48,6 @@ bool IsAlive(const State& state, AgentId agent) {
   return state.agents[static_cast<std::size_t>(agent)].alive;
 }
 
-// The legal action of the highest probability, the lowest of equal ones.
-Action MostProbable(const Evaluation& evaluation, ActionSet legal) {
-  std::size_t best = static_cast<std::size_t>(std::countr_zero(legal));
-  for (std::size_t a = best + 1; a < kActionCount; ++a) {
-    if ((legal >> a & 1) != 0 && evaluation.policy[a] > evaluation.policy[best]) best = a;
-  }
-  return static_cast<Action>(best);
-}
-
 }  // namespace
 
 Search::Search(const SearchSettings& settings, const GameSettings& game)
@@ -345,7 +336,7 @@ void Search::TakeMateValue(NodeIndex index, float value) {
 
 void Search::TakeModelPolicy(Node& node, AgentId agent, const Evaluation& evaluation) const {
   node.actions[static_cast<std::size_t>(agent)] =
-      MostProbable(evaluation, LegalActions(node.state, agent));
+      BestAction(evaluation.policy, LegalActions(node.state, agent));
 }
 
 void Search::EndSimulation(NodeIndex leaf) {

@@ -10,6 +10,7 @@
 
 #include "common/pommerman/game_settings.h"
 #include "common/pommerman/state.h"
+#include "common/pommerman/step.h"
 
 namespace powderkeg {
 
@@ -28,6 +29,9 @@ struct Evaluation {
 
   friend bool operator==(const Evaluation&, const Evaluation&) = default;
 };
+
+// The action of `legal`, which has one, of the highest probability; ties go to the lowest.
+[[nodiscard]] Action BestAction(std::span<const float, kActionCount> policy, ActionSet legal);
 
 // Questions of many searches that are answered together. Slots are numbered in order of Add until
 // Clear. One thread.

@@ -29,13 +29,6 @@ State CornerState() {
 
 Observation Seen(const State& state) { return Observe(GameSettings(), state, /*self=*/0); }
 
-TEST(BestAction, PrefersTheLikeliestLegalActionAndTheLowestOfEquals) {
-  EXPECT_EQ(BestAction({0.1F, 0.2F, 0.5F, 0.1F, 0.1F, 0.0F}, 0b111111), Action::kDown);
-  EXPECT_EQ(BestAction({0.1F, 0.2F, 0.5F, 0.1F, 0.1F, 0.0F}, 0b111011), Action::kUp);
-  EXPECT_EQ(BestAction({0.2F, 0.2F, 0.2F, 0.2F, 0.2F, 0.0F}, 0b011100), Action::kDown);
-  EXPECT_EQ(BestAction({1.0F, 0.0F, 0.0F, 0.0F, 0.0F, 0.0F}, 0b100000), Action::kBomb);
-}
-
 TEST(RawNetworkAgent, AsksOnceAndPlaysALegalAction) {
   RawNetworkAgent agent;
   agent.StartGame(GameSettings(), /*self=*/0, Rng(1));

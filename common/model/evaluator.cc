@@ -1,0 +1,27 @@
+#include "common/model/evaluator.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "common/base/check.h"
+
+namespace powderkeg {
+
+Action BestAction(std::span<const float, kActionCount> policy, ActionSet legal) {
+  CHECK(legal != 0);
+  auto best = static_cast<std::size_t>(std::countr_zero(legal));
+  for (std::size_t action = best + 1; action < kActionCount; ++action) {
+    if ((legal >> action & 1) != 0 && policy[action] > policy[best]) best = action;
+  }
+  return static_cast<Action>(best);
+}
+
+void UniformEvaluator::Evaluate(const GameSettings& /*settings*/,
+                                std::span<const Position> /*positions*/,
+                                std::span<Evaluation> evaluations) {
+  Evaluation uniform{};
+  uniform.policy.fill(1.0F / kActionCount);
+  std::ranges::fill(evaluations, uniform);
+}
+
+}  // namespace powderkeg
