@@ -245,8 +245,9 @@ class Learner {
                          KnownEnvironmentIds()));
     }
     LearnerLoopSettings settings;
-    settings.training = config_.training;
-    settings.training.draw_value = DrawValueOf(config_);
+    RunConfig tied = config_;
+    TieOutcomesToSearch(tied);
+    settings.training = tied.training;
     settings.game = *game;
     settings.folder = options.run_dir;
     settings.seed = config_.self_play.seed;

@@ -6,6 +6,7 @@
 
 #include "actors/search/deciders.h"
 #include "common/base/check.h"
+#include "common/model/outcome_value.h"
 #include "common/pommerman/observation.h"
 
 namespace powderkeg {
@@ -270,10 +271,10 @@ void Search::Judge(const Outcome& outcome, Node& node) const {
   if (!outcome.done && alive) return;
   node.stage = Node::Stage::kTerminal;
   if (outcome.done && outcome.result == Result::kTie) {
-    node.evaluation = static_cast<float>(settings_.draw_value);
+    node.evaluation = ValueOfEnd(0, node);
   } else if (outcome.done) {
     node.proven = (outcome.winners >> self_ & 1) != 0 ? 1 : -1;
-    node.evaluation = node.proven;
+    node.evaluation = ValueOfEnd(node.proven, node);
   } else if (!IsTeamMode(game_.mode)) {
     node.proven = -1;
     node.evaluation = node.proven;
@@ -282,6 +283,11 @@ void Search::Judge(const Outcome& outcome, Node& node) const {
   } else {
     node.evaluation = kOwnDeathInTeam;
   }
+}
+
+float Search::ValueOfEnd(int outcome, const Node& node) const {
+  return ValueOf({.draw = settings_.draw_value, .late_win = settings_.late_win_value}, outcome,
+                 node.state.step, game_.max_steps);
 }
 
 void Search::ReachLeaf(NodeIndex leaf, EvaluationBatch& batch) {

@@ -106,6 +106,7 @@ class Search {
   void ObserveMover(const Node& parent, AgentId agent, Node& child) const;
   void ObserveNetworkMoves(const Node& parent, Node& child) const;
   void Judge(const Outcome& outcome, Node& node) const;
+  [[nodiscard]] float ValueOfEnd(int outcome, const Node& node) const;
   void ReachLeaf(NodeIndex leaf, EvaluationBatch& batch);
   void Ask(NodeIndex node, AgentId viewer, EvaluationBatch& batch);
 

@@ -106,6 +106,8 @@ const std::vector<OptionRow>& Table() {
       {"fast_simulations", Whole{&S::fast_simulations, 1, 1'000'000},
        "simulations of the other moves"},
       {"draw_value", Real{&S::draw_value, -1, 1}, "value of a tie"},
+      {"late_win_value", Real{&S::late_win_value, -1, 1},
+       "value of a win in the last step, to which it falls from 1"},
       {"step_limit", Flag{&S::step_limit}, "the search knows that games end after max_steps"},
       {"mate_value_on_death", Flag{&S::mate_value_on_death},
        "team: the network judges for the mate after own death; otherwise -0.5"},

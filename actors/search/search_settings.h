@@ -107,6 +107,7 @@ struct SearchSettings {
 
   // Ends, values from the searching agent's view.
   double draw_value = 0;            // of a tie
+  double late_win_value = 1;        // of a win in the last step (see OutcomeValues)
   bool step_limit = true;           // whether the search knows that a game ends after max_steps
   bool mate_value_on_death = true;  // team: after own death the network judges for the mate;
                                     // otherwise that is worth -0.5

@@ -97,6 +97,20 @@ std::string Print(const Message& message) {
   return text;
 }
 
+// The option of the search, a value from -1 to +1; nullopt if it is not set. Throws Error.
+std::optional<double> ValueInSearch(const Options& search, const std::string& name) {
+  const auto option = std::ranges::find(search, name, &Options::value_type::first);
+  if (option == search.end()) return std::nullopt;
+  const std::string& text = option->second;
+  double value = 2;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || rest != text.data() + text.size() || !(std::abs(value) <= 1)) {
+    throw Error(
+        StrCat("self_play.search.", name, " is ", text, "; expected a number from -1 to 1"));
+  }
+  return value;
+}
+
 }  // namespace
 
 RunConfig ParseConfig(const std::string& text, const std::string& place,
@@ -129,19 +143,12 @@ std::string ToText(const SelfPlayConfig& config) {
   return Print(message);
 }
 
-double DrawValueOf(const RunConfig& config) {
-  if (config.training.draw_value) return *config.training.draw_value;
-  const Options& search = config.self_play.search;
-  const auto option = std::ranges::find(search, "draw_value", &Options::value_type::first);
-  if (option == search.end()) return 0;
-  const std::string& text = option->second;
-  double value = 2;
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || rest != text.data() + text.size() || !(std::abs(value) <= 1)) {
-    throw Error(
-        StrCat("self_play.search.draw_value is ", text, "; expected a number from -1 to 1"));
-  }
-  return value;
+void TieOutcomesToSearch(RunConfig& config) {
+  const auto tie = [&](const std::string& name, std::optional<double>& value) {
+    if (!value) value = ValueInSearch(config.self_play.search, name);
+  };
+  tie("draw_value", config.training.draw_value);
+  tie("late_win_value", config.training.late_win_value);
 }
 
 Sha256Digest SettingsDigest(const SelfPlayConfig& config) {

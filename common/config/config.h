@@ -27,10 +27,10 @@ namespace powderkeg {
 [[nodiscard]] std::string ToText(const RunConfig& config);
 [[nodiscard]] std::string ToText(const SelfPlayConfig& config);
 
-// What a tie is worth in training: training.draw_value or, where that is not set, what it is worth
-// in the search (self_play.search.draw_value), or 0. Throws Error if the search's is no number from
-// -1 to +1.
-[[nodiscard]] double DrawValueOf(const RunConfig& config);
+// Ends of games are worth the same in training as in the search: training.draw_value and
+// late_win_value, where they are not set, become the search's (self_play.search), where those are.
+// Throws Error if the search's are no numbers from -1 to +1.
+void TieOutcomesToSearch(RunConfig& config);
 
 // Equal for equal settings, whatever program made it: SHA-256 of ToText.
 [[nodiscard]] Sha256Digest SettingsDigest(const SelfPlayConfig& config);

@@ -245,6 +245,7 @@ void BindTraining(Binder& binder, Config& config) {
   binder.Number("value_weight", config.value_weight, {0, 1});
   binder.Number("target_argmax_weight", config.target_argmax_weight, {0, 1});
   binder.Number("draw_value", config.draw_value, {-1, 1});
+  binder.Number("late_win_value", config.late_win_value, {-1, 1});
   binder.Number("target_search_value_weight", config.target_search_value_weight, {0, 1});
   binder.Number("threads", config.threads, {1, 1024});
   binder.Choice("device", config.device, {"auto", "cpu", "cuda"});

@@ -46,8 +46,9 @@ struct TrainingConfig {
   double weight_decay = 1e-4;
   double value_weight = 0.1;          // alpha: loss = alpha (z - v)^2 - (1 - alpha) pi^T log p
   double target_argmax_weight = 0.5;  // pi' = (1 - w) pi + w onehot(argmax pi)
-  // z of a tie; a win is +1, a loss -1. Not set: see DrawValueOf.
+  // z of a tie, and of a win in the last step. Not set: as in the search (TieOutcomesToSearch).
   std::optional<double> draw_value;
+  std::optional<double> late_win_value;
   double target_search_value_weight = 0;  // z' = (1 - w) z + w q, q the root's value in the search
   int threads = 1;
   std::string device = "auto";  // auto | cpu | cuda

@@ -17,7 +17,7 @@ void AddPosition(void* context, const State& state, const Decision& decision, Ac
   Sample& sample = data_set.samples.emplace_back(
       state, decision.visits, decision.agent,
       static_cast<std::int8_t>(OutcomeFor(game, static_cast<AgentId>(decision.agent))),
-      decision.value);
+      static_cast<std::uint16_t>(game.actions.size()), decision.value);
   sample.state.RemoveItems(state.HiddenItems());
   ++data_set.summary.actions[static_cast<std::size_t>(action)];
 }

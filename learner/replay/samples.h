@@ -18,6 +18,7 @@ struct Sample {
   std::array<std::uint16_t, kActionCount> visits;  // policy target; all 0: none
   std::uint8_t viewer;                             // the agent that decided
   std::int8_t outcome;                             // +1 win, 0 tie, -1 loss of the viewer
+  std::uint16_t end_step;                          // when the record of the game ends
   float search_value;                              // of the search's root, the viewer's view
 };
 

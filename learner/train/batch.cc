@@ -51,8 +51,8 @@ void BuildBatch(const GameSettings& settings, const TargetSettings& targets,
           target[action];
     }
     const auto search_weight = static_cast<float>(targets.search_value_weight);
-    const auto outcome =
-        static_cast<float>(sample.outcome == 0 ? targets.draw_value : sample.outcome);
+    const float outcome =
+        ValueOf(targets.outcome_values, sample.outcome, sample.end_step, settings.max_steps);
     batch.values[i] = (1 - search_weight) * outcome + search_weight * sample.search_value;
   }
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/rng.h"
+#include "common/model/outcome_value.h"
 #include "common/pommerman/game_settings.h"
 #include "learner/replay/samples.h"
 
@@ -23,7 +24,7 @@ struct TrainingBatch {
 // How targets are made; weights from 0 to 1.
 struct TargetSettings {
   double argmax_weight = 0;        // of onehot(argmax pi) in the policy's target
-  double draw_value = 0;           // z of a tie
+  OutcomeValues outcome_values;    // z
   double search_value_weight = 0;  // of the search's root value in the value's target, beside z
 };
 

@@ -284,7 +284,8 @@ TrainingResult Trainer::Train(const ReplayWindow& window, Rng rng, const std::st
   const TrainingConfig& training = trainer.settings.training;
   InitialiseTorch(training.threads);
   const TargetSettings targets{.argmax_weight = training.target_argmax_weight,
-                               .draw_value = training.draw_value.value_or(0),
+                               .outcome_values = {.draw = training.draw_value.value_or(0),
+                                                  .late_win = training.late_win_value.value_or(1)},
                                .search_value_weight = training.target_search_value_weight};
   const auto batch_size = static_cast<std::size_t>(training.batch_size);
   const double wanted = training.epochs * static_cast<double>(window.size());

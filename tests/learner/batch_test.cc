@@ -111,9 +111,12 @@ TEST(Batch, ValuesMixTheOutcomeWithWhatTheSearchFound) {
   EXPECT_EQ(value(-1, {}), -1.0F);
   EXPECT_EQ(value(0, {}), 0.0F);
   EXPECT_EQ(value(-1, {.search_value_weight = 0.25}), -0.625F);
-  EXPECT_EQ(value(0, {.draw_value = -0.5}), -0.5F);
-  EXPECT_EQ(value(1, {.draw_value = -0.5}), 1.0F);
-  EXPECT_EQ(value(0, {.draw_value = -0.5, .search_value_weight = 1}), 0.5F);
+  EXPECT_EQ(value(0, {.outcome_values = {.draw = -0.5}}), -0.5F);
+  EXPECT_EQ(value(1, {.outcome_values = {.draw = -0.5}}), 1.0F);
+  EXPECT_EQ(value(0, {.outcome_values = {.draw = -0.5}, .search_value_weight = 1}), 0.5F);
+  sample.end_step = 200;  // of 800
+  EXPECT_EQ(value(1, {.outcome_values = {.late_win = 0}}), 0.75F);
+  EXPECT_EQ(value(-1, {.outcome_values = {.late_win = 0}}), -1.0F);
 }
 
 TEST(Batch, EqualGeneratorsGiveEqualBatches) {

@@ -74,6 +74,7 @@ const std::vector<std::string>& OptionValues() {
       "full_search_share=0.5",
       "full_search_share=0,fast_simulations=3",
       "draw_value=-0.5",
+      "late_win_value=0",
       "step_limit=false",
       "mate_value_on_death=false",
       "terminal_solver=true",

@@ -64,6 +64,21 @@ TEST(Search, TieAtTheStepLimitIsWorthTheDrawValue) {
   EXPECT_FLOAT_EQ(SearchOnce(settings, state, EndsAfter(1)).value, 0) << "the limit is unknown";
 }
 
+TEST(Search, AWinIsWorthLessTheLaterItComes) {
+  SearchSettings settings = Quiet(50);
+  State state = FromText(kBurning);
+  const auto value_at = [&](int step) {
+    state.step = static_cast<decltype(state.step)>(step);
+    return SearchOnce(settings, state).value;
+  };
+  const float won = value_at(0);
+  ASSERT_GT(won, 0.9F);
+  EXPECT_FLOAT_EQ(value_at(400), won);
+  settings.late_win_value = 0;
+  EXPECT_NEAR(value_at(0), won, 0.02);
+  EXPECT_NEAR(value_at(400), won / 2, 0.02);
+}
+
 // Agent 0 dies in this step whatever it does; its mate (2) and both enemies live on.
 constexpr std::string_view kDoomed = R"(
     0o.........

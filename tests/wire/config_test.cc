@@ -93,12 +93,15 @@ TEST(ConfigTest, ReadsFiles) {
   EXPECT_THROW((void)LoadConfig(path + ".none", {}), Error);
 }
 
-TEST(ConfigTest, ATieIsWorthInTrainingWhatItIsInTheSearch) {
-  const auto draw_value = [](const Changes& changes) {
-    return DrawValueOf(ParseConfig("", "x", changes));
+TEST(ConfigTest, OutcomesAreWorthInTrainingWhatTheyAreInTheSearch) {
+  const auto tied = [](const std::string& text, const Changes& changes) {
+    RunConfig config = ParseConfig(text, "x", changes);
+    TieOutcomesToSearch(config);
+    return config.training;
   };
+  const auto draw_value = [&](const Changes& changes) { return tied("", changes).draw_value; };
   const std::string search = "self_play.search.draw_value=-0.5";
-  EXPECT_EQ(draw_value({}), 0);
+  EXPECT_EQ(draw_value({}), std::nullopt);
   EXPECT_EQ(draw_value({search}), -0.5);
   EXPECT_EQ(draw_value({search, "training.draw_value=0.25"}), 0.25);
   EXPECT_EQ(draw_value({search, "training.draw_value=0"}), 0);
@@ -109,8 +112,9 @@ TEST(ConfigTest, ATieIsWorthInTrainingWhatItIsInTheSearch) {
   const RunConfig config = ParseConfig("", "x", Changes{search});
   const RunConfig stored = ParseConfig(ToText(config), "x", {});
   EXPECT_EQ(stored, config);
-  EXPECT_EQ(
-      DrawValueOf(ParseConfig(ToText(config), "x", Changes{"self_play.search.draw_value=-1"})), -1);
+  EXPECT_EQ(tied(ToText(config), {"self_play.search.draw_value=-1"}).draw_value, -1);
+  EXPECT_EQ(tied("", {"self_play.search.late_win_value=0.5"}).late_win_value, 0.5);
+  EXPECT_EQ(tied("", {"training.late_win_value=0.25"}).late_win_value, 0.25);
 }
 
 TEST(ConfigTest, TheDigestFollowsTheSettings) {
