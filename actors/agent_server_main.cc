@@ -10,12 +10,13 @@
 #include <vector>
 
 #include "actors/evaluator_choice.h"
+#include "actors/http/agent_routes.h"
 #include "actors/http/agent_service.h"
-#include "actors/http/http_server.h"
 #include "actors/play/factory.h"
 #include "actors/run_main.h"
 #include "common/base/check.h"
 #include "common/base/log.h"
+#include "common/http/http_server.h"
 #include "common/model/evaluation_cache.h"
 #include "common/model/weights_snapshot.h"
 
@@ -148,7 +149,7 @@ Seat Serve(const AgentDescription& agent, int port, const Arguments& arguments) 
                       .seed = arguments.seed});
   if (timed) seat.service->WarmUp();
   seat.server = std::make_unique<HttpServer>(
-      *seat.service, HttpServerSettings{.host = arguments.host, .port = port});
+      AgentRoutes(*seat.service), HttpServerSettings{.host = arguments.host, .port = port});
   log::Info("serving", "agent", agent.text, "evaluator", model.evaluator->name(), "host",
             arguments.host, "port", seat.server->port());
   return seat;

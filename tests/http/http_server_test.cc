@@ -1,4 +1,4 @@
-#include "actors/http/http_server.h"
+#include "common/http/http_server.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "actors/http/agent_routes.h"
 #include "actors/play/factory.h"
 #include "actors/play/parallel_evaluator.h"
 #include "common/base/check.h"
@@ -37,7 +38,7 @@ Seat SeatFor(std::string_view agent, const ServiceSettings& settings = {},
              const std::shared_ptr<Evaluator>& evaluator = std::make_shared<UniformEvaluator>()) {
   Seat seat;
   seat.service = std::make_unique<AgentService>(MakeAgent(ParseAgent(agent)), evaluator, settings);
-  seat.server = std::make_unique<HttpServer>(*seat.service, HttpServerSettings{.port = 0});
+  seat.server = std::make_unique<HttpServer>(AgentRoutes(*seat.service), HttpServerSettings{});
   return seat;
 }
 
@@ -163,7 +164,7 @@ class HttpServerTest : public ::testing::Test {
     service_ =
         std::make_unique<AgentService>(std::make_unique<ScriptedAgent>(diary_, 0),
                                        std::make_shared<UniformEvaluator>(), ServiceSettings{});
-    server_ = std::make_unique<HttpServer>(*service_, settings);
+    server_ = std::make_unique<HttpServer>(AgentRoutes(*service_), settings);
   }
   void SetUp() override { Listen({.port = 0}); }
 

@@ -1,31 +1,29 @@
-#include "actors/http/http_server.h"
+#include "common/http/http_server.h"
 
 #include <sys/socket.h>
 
-#include <array>
+#include <algorithm>
+#include <chrono>
 #include <exception>
 #include <functional>
 #include <latch>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "actors/http/socket_stream.h"
 #include "common/base/bounded_queue.h"
 #include "common/base/check.h"
 #include "common/base/log.h"
 #include "common/base/worker.h"
+#include "common/http/socket_stream.h"
 
 namespace powderkeg {
 namespace {
 
 constexpr int kBacklog = 1024;
-constexpr const char* kJsonType = "application/json";
-constexpr std::string_view kPing = "/ping";
-constexpr std::array<std::string_view, 4> kPosts = {"/init_agent", "/action", "/episode_end",
-                                                    "/shutdown"};
 
 // A fixed number of threads that take connections from a queue of limited length; where it is full,
 // the caller (who accepts connections) waits.
@@ -57,43 +55,35 @@ class ConnectionPool final : public httplib::TaskQueue {
   std::vector<std::jthread> threads_;
 };
 
+using Clock = std::chrono::steady_clock;
+
 // The library hands on nothing of ours from the connection to the handler of its request but the
 // request itself: the time is written into a header.
 constexpr const char* kArrival = "Powderkeg-Arrival";
 
-void SetArrival(AgentService::Clock::time_point arrival, httplib::Request& request) {
+void SetArrival(Clock::time_point arrival, httplib::Request& request) {
   request.headers.erase(kArrival);
   request.set_header(kArrival, std::to_string(arrival.time_since_epoch().count()));
 }
 
-AgentService::Clock::time_point ArrivalOf(const httplib::Request& request) {
+Clock::time_point ArrivalOf(const httplib::Request& request) {
   const std::string ticks = request.get_header_value(kArrival);
-  return AgentService::Clock::time_point(AgentService::Clock::duration(std::stoll(ticks)));
+  return Clock::time_point(Clock::duration(std::stoll(ticks)));
 }
 
-void SetReply(const ServiceReply& reply, httplib::Response& response) {
+HttpRequest AsRequest(const httplib::Request& request, std::string body) {
+  return {.body = std::move(body),
+          .parameters = {request.params.begin(), request.params.end()},
+          .arrival = ArrivalOf(request)};
+}
+
+void SetReply(const HttpReply& reply, httplib::Response& response) {
   response.status = reply.status;
-  response.set_content(reply.body, kJsonType);
+  response.set_content(reply.body, reply.type);
 }
 
 void SetError(int status, std::string_view reason, httplib::Response& response) {
-  SetReply({.status = status, .body = nlohmann::json{{"error", reason}}.dump()}, response);
-}
-
-// Refuses requests for anything but the five routes before their bodies are read.
-httplib::Server::HandlerResponse CheckRoute(const httplib::Request& request,
-                                            httplib::Response& response) {
-  using Result = httplib::Server::HandlerResponse;
-  const bool ping = request.path == kPing;
-  const bool post = std::ranges::find(kPosts, request.path) != kPosts.end();
-  if (!ping && !post) {
-    SetError(404, "no such route, known are /ping, /init_agent, /action, /episode_end, /shutdown",
-             response);
-    return Result::Handled;
-  }
-  if (request.method == (ping ? "GET" : "POST")) return Result::Unhandled;
-  SetError(405, ping ? "expected the method GET" : "expected the method POST", response);
-  return Result::Handled;
+  SetReply(HttpError(status, reason), response);
 }
 
 // What httplib itself refuses has a status only.
@@ -118,8 +108,8 @@ void ReportException(const httplib::Request&, httplib::Response& response,
 // The HTTP library, with limits of ours for each connection.
 class HttpServer::Listener final : public httplib::Server {
  public:
-  Listener(AgentService& service, const HttpServerSettings& settings)
-      : service_(service), settings_(settings), started_(1) {
+  Listener(std::vector<HttpRoute> routes, const HttpServerSettings& settings)
+      : routes_(std::move(routes)), settings_(settings), started_(1) {
     AddRoutes();
     set_tcp_nodelay(true);
     set_payload_max_length(settings.max_request_bytes);
@@ -160,35 +150,56 @@ class HttpServer::Listener final : public httplib::Server {
   }
 
   void AddRoutes() {
-    Get(std::string(kPing), [this](const httplib::Request&, httplib::Response& response) {
-      SetReply(service_.Ping(), response);
+    using Request = httplib::Request;
+    using Response = httplib::Response;
+    for (const HttpRoute& route : routes_) {
+      if (route.method == "GET") {
+        Get(route.path, [&route](const Request& request, Response& response) {
+          SetReply(route.answer(AsRequest(request, {})), response);
+        });
+      } else {
+        Post(route.path, [this, &route](const Request& request, Response& response,
+                                        const httplib::ContentReader& reader) {
+          AnswerPost(route, request, reader, response);
+        });
+      }
+    }
+    set_pre_routing_handler([this](const Request& request, Response& response) {
+      return CheckRoute(request, response);
     });
-    AddPost(kPosts[0], [this](const std::string& body, auto) { return service_.InitAgent(body); });
-    AddPost(kPosts[1],
-            [this](const std::string& body, auto arrival) { return service_.Act(body, arrival); });
-    AddPost(kPosts[2], [this](const std::string& body, auto) { return service_.EndEpisode(body); });
-    AddPost(kPosts[3], [this](const std::string&, auto) { return service_.Shutdown(); });
-    set_pre_routing_handler(CheckRoute);
     set_error_handler(ExplainStatus);
     set_exception_handler(ReportException);
   }
 
-  // What answers a body that arrived at a time.
-  using Answer = std::function<ServiceReply(const std::string&, AgentService::Clock::time_point)>;
+  // Refuses requests for anything but the routes before their bodies are read.
+  HandlerResponse CheckRoute(const httplib::Request& request, httplib::Response& response) const {
+    const auto route = std::ranges::find(routes_, request.path, &HttpRoute::path);
+    if (route == routes_.end()) {
+      SetError(404, "no such route, known are " + KnownPaths(), response);
+      return HandlerResponse::Handled;
+    }
+    if (request.method == route->method) return HandlerResponse::Unhandled;
+    response.set_header("Allow", route->method);
+    SetError(405, "expected the method " + route->method, response);
+    return HandlerResponse::Handled;
+  }
 
-  void AddPost(std::string_view path, Answer answer) {
-    Post(std::string(path), [this, answer = std::move(answer)](
-                                const httplib::Request& request, httplib::Response& response,
-                                const httplib::ContentReader& reader) {
-      if (request.is_multipart_form_data()) {
-        return SetError(415, "expected a JSON body", response);
-      }
-      std::string body;
-      if (!ReadBody(reader, body)) {
-        return SetError(413, "the body is incomplete or too long", response);
-      }
-      SetReply(answer(body, ArrivalOf(request)), response);
-    });
+  [[nodiscard]] std::string KnownPaths() const {
+    std::string paths;
+    for (const HttpRoute& route : routes_) paths += (paths.empty() ? "" : ", ") + route.path;
+    return paths;
+  }
+
+  void AnswerPost(const HttpRoute& route, const httplib::Request& request,
+                  const httplib::ContentReader& reader, httplib::Response& response) const {
+    if (request.is_multipart_form_data()) {
+      return SetError(415, "expected a body that is no form", response);
+    }
+    std::string body;
+    if (!ReadBody(reader, body)) {
+      return SetError(413, "the body is incomplete or too long", response);
+    }
+    SetReply(route.answer(AsRequest(request, std::move(body))), response);
   }
 
   // Bounds what a compressed body unpacks to as well.
@@ -211,15 +222,19 @@ class HttpServer::Listener final : public httplib::Server {
 
   static constexpr std::size_t kHeaderBytes = 16 << 10;
 
-  AgentService& service_;
+  const std::vector<HttpRoute> routes_;
   const HttpServerSettings settings_;
   int port_ = -1;
   std::latch started_;
   std::optional<Worker> worker_;
 };
 
-HttpServer::HttpServer(AgentService& service, const HttpServerSettings& settings)
-    : listener_(std::make_unique<Listener>(service, settings)) {}
+HttpReply HttpError(int status, std::string_view reason) {
+  return {.status = status, .body = nlohmann::json{{"error", reason}}.dump()};
+}
+
+HttpServer::HttpServer(std::vector<HttpRoute> routes, const HttpServerSettings& settings)
+    : listener_(std::make_unique<Listener>(std::move(routes), settings)) {}
 
 HttpServer::~HttpServer() = default;
 

@@ -1,4 +1,4 @@
-#include "actors/http/socket_stream.h"
+#include "common/http/socket_stream.h"
 
 #include <netinet/tcp.h>
 #include <poll.h>
