@@ -19,6 +19,7 @@
 #include "common/pommerman/generate.h"
 #include "tests/http/gated_evaluator.h"
 #include "tests/http/official_runner.h"
+#include "tests/http/raw_socket.h"
 #include "tests/http/runner_json.h"
 #include "tests/http/scripted_agent.h"
 
