@@ -149,9 +149,10 @@ Seat Serve(const AgentDescription& agent, int port, const Arguments& arguments) 
                       .seed = arguments.seed});
   if (timed) seat.service->WarmUp();
   seat.server = std::make_unique<HttpServer>(
-      AgentRoutes(*seat.service), HttpServerSettings{.host = arguments.host, .port = port});
+      AgentRoutes(*seat.service),
+      HttpServerSettings{.address = {.host = arguments.host, .port = port}});
   log::Info("serving", "agent", agent.text, "evaluator", model.evaluator->name(), "host",
-            arguments.host, "port", seat.server->port());
+            arguments.host, "port", seat.server->address().port);
   return seat;
 }
 
@@ -170,7 +171,7 @@ double Milliseconds(std::chrono::microseconds time) {
 }
 
 void Report(const Seat& seat) {
-  const int port = seat.server->port();
+  const int port = seat.server->address().port;
   const ServiceStatistics served = seat.service->statistics();
   const MoveTimes& slowest = served.slowest_move;
   log::Info("served", "port", port, "games", served.games, "moves", served.moves, "refused",

@@ -3,6 +3,7 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <exception>
 #include <functional>
@@ -109,7 +110,7 @@ void ReportException(const httplib::Request&, httplib::Response& response,
 class HttpServer::Listener final : public httplib::Server {
  public:
   Listener(std::vector<HttpRoute> routes, const HttpServerSettings& settings)
-      : routes_(std::move(routes)), settings_(settings), started_(1) {
+      : routes_(std::move(routes)), settings_(settings), address_(settings.address), started_(1) {
     AddRoutes();
     set_tcp_nodelay(true);
     set_payload_max_length(settings.max_request_bytes);
@@ -122,7 +123,11 @@ class HttpServer::Listener final : public httplib::Server {
       started_.count_down();
       return new ConnectionPool(settings_.threads, settings_.max_waiting);
     };
-    Bind();
+    if (!Bind()) {
+      throw Error(StrCat("cannot listen on ", address_.host, ":", settings.address.port,
+                         ", expected an address of this machine and a free port"));
+    }
+    ::listen(svr_sock_, kBacklog);  // instead of the library's 5
     worker_.emplace("http", [this](const std::stop_token&) { listen_after_bind(); });
     started_.wait();
   }
@@ -133,20 +138,16 @@ class HttpServer::Listener final : public httplib::Server {
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
 
-  [[nodiscard]] int port() const { return port_; }
+  [[nodiscard]] const HttpAddress& address() const { return address_; }
 
  private:
-  void Bind() {
-    if (settings_.port == 0) {
-      port_ = bind_to_any_port(settings_.host);
-    } else {
-      port_ = bind_to_port(settings_.host, settings_.port) ? settings_.port : -1;
-    }
-    if (port_ < 0) {
-      throw Error(StrCat("cannot listen on ", settings_.host, ":", settings_.port,
-                         ", expected an address of this machine and a free port"));
-    }
-    ::listen(svr_sock_, kBacklog);  // instead of the library's 5
+  // Whether it could.
+  [[nodiscard]] bool Bind() {
+    const auto& [host, port] = settings_.address;
+    if (port != 0 && bind_to_port(host, port)) return true;
+    if (port != 0 && !settings_.any_port_if_taken) return false;
+    address_.port = bind_to_any_port(host);
+    return address_.port >= 0;
   }
 
   void AddRoutes() {
@@ -224,10 +225,29 @@ class HttpServer::Listener final : public httplib::Server {
 
   const std::vector<HttpRoute> routes_;
   const HttpServerSettings settings_;
-  int port_ = -1;
+  HttpAddress address_;
   std::latch started_;
   std::optional<Worker> worker_;
 };
+
+std::string HttpAddress::url() const {
+  const bool ipv6 = host.find(':') != std::string::npos;
+  return StrCat("http://", ipv6 ? "[" + host + "]" : host, ":", port, "/");
+}
+
+std::optional<HttpAddress> ParseHttpAddress(std::string_view text) {
+  constexpr int kHighestPort = 65535;
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string_view::npos) return std::nullopt;
+  std::string_view host = text.substr(0, colon);
+  const std::string_view digits = text.substr(colon + 1);
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  int port = -1;
+  const auto [end, error] = std::from_chars(digits.begin(), digits.end(), port);
+  const bool number = error == std::errc() && end == digits.end();
+  if (host.empty() || !number || port < 0 || port > kHighestPort) return std::nullopt;
+  return HttpAddress{.host = std::string(host), .port = port};
+}
 
 HttpReply HttpError(int status, std::string_view reason) {
   return {.status = status, .body = nlohmann::json{{"error", reason}}.dump()};
@@ -238,6 +258,6 @@ HttpServer::HttpServer(std::vector<HttpRoute> routes, const HttpServerSettings& 
 
 HttpServer::~HttpServer() = default;
 
-int HttpServer::port() const { return listener_->port(); }
+const HttpAddress& HttpServer::address() const { return listener_->address(); }
 
 }  // namespace powderkeg

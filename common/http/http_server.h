@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,9 +37,22 @@ struct HttpRoute {
   std::function<HttpReply(const HttpRequest&)> answer;
 };
 
-struct HttpServerSettings {
+struct HttpAddress {
   std::string host = "127.0.0.1";
-  int port = 0;                              // 0: any free one
+  int port = 0;  // 0: any free one
+
+  // "http://127.0.0.1:8265/"
+  [[nodiscard]] std::string url() const;
+
+  friend bool operator==(const HttpAddress&, const HttpAddress&) = default;
+};
+
+// "127.0.0.1:8265", "localhost:8265" or "[::1]:8265"; nullopt for anything else.
+[[nodiscard]] std::optional<HttpAddress> ParseHttpAddress(std::string_view text);
+
+struct HttpServerSettings {
+  HttpAddress address{};
+  bool any_port_if_taken = false;            // where it cannot listen on that port
   int threads = 64;                          // connections served at once; more wait their turn
   std::size_t max_waiting = 4096;            // then new ones wait in the kernel
   std::size_t max_request_bytes = 64 << 10;  // of a body, packed and unpacked
@@ -57,7 +71,8 @@ class HttpServer {
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
-  [[nodiscard]] int port() const;
+  // Where it listens: with a port.
+  [[nodiscard]] const HttpAddress& address() const;
 
  private:
   class Listener;
