@@ -236,7 +236,7 @@ TEST_F(HttpServerTest, AMoveBeginsWithTheArrivalOfItsRequest) {
 TEST_F(HttpServerTest, WaitingForAThreadCountsAsTimeOfTheMove) {
   Listen({.threads = 1, .io_timeout = milliseconds(60)});
   (void)service_->InitAgent(InitBody(0, Mode::kFreeForAll));
-  const int silent = Connect(server_->address().port);  // keeps the only thread for 60 ms
+  const int silent = ConnectTo(server_->address().port);  // keeps the only thread for 60 ms
   const auto result = Client().Post("/action", Action(), "application/json");
   ASSERT_TRUE(result);
   EXPECT_EQ(result->status, 200);
@@ -384,7 +384,7 @@ void Sip(int socket, const std::stop_token& stop) {
 TEST(HttpServerOfRoutes, AClientThatReadsSlowlyHoldsAThreadForAWhileOnly) {
   const HttpServer server({LongAnswer(), {"GET", "/ping", [](auto&&) { return HttpReply{}; }}},
                           {.threads = 1, .io_timeout = milliseconds(100)});
-  const int slow = Connect(server.address().port);
+  const int slow = ConnectTo(server.address().port);
   SendAll(slow, "GET / HTTP/1.1\r\n\r\n");
   std::jthread sipping([slow](const std::stop_token& stop) { Sip(slow, stop); });
   httplib::Client client("127.0.0.1", server.address().port);
@@ -414,7 +414,7 @@ TEST_F(HttpServerTest, AThousandConnectionsAtOnceAreAllAnswered) {
       StrCat("POST /action HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n",
              "Content-Length: ", body.size(), "\r\n\r\n", body);
   std::vector<int> sockets;
-  for (int i = 0; i < 1000; ++i) sockets.push_back(Connect(server_->address().port));
+  for (int i = 0; i < 1000; ++i) sockets.push_back(ConnectTo(server_->address().port));
   for (const int socket : sockets) SendAll(socket, request);
   int answered = 0;
   for (const int socket : sockets) {
@@ -428,7 +428,7 @@ TEST_F(HttpServerTest, AThousandSilentConnectionsDoNotStopTheServer) {
   AllowManyConnections();
   Listen({.io_timeout = milliseconds(50)});
   std::vector<int> sockets;
-  for (int i = 0; i < 1000; ++i) sockets.push_back(Connect(server_->address().port));
+  for (int i = 0; i < 1000; ++i) sockets.push_back(ConnectTo(server_->address().port));
   auto client = Client();
   client.set_read_timeout(std::chrono::seconds(60));
   const auto result = client.Get("/ping");

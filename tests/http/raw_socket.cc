@@ -11,7 +11,7 @@
 
 namespace powderkeg {
 
-int Connect(int port) {
+int ConnectTo(int port) {
   const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
   CHECK(socket >= 0);
   sockaddr_in address{};
@@ -43,7 +43,7 @@ std::string ReadToEnd(int socket) {
 }
 
 std::string ExchangeBytes(int port, const std::string& bytes) {
-  const int socket = Connect(port);
+  const int socket = ConnectTo(port);
   SendAll(socket, bytes);
   ::shutdown(socket, SHUT_WR);
   return ReadToEnd(socket);

@@ -7,11 +7,11 @@
 namespace powderkeg {
 
 // CHECKs that the system plays along.
-[[nodiscard]] int Connect(int port);
+[[nodiscard]] int ConnectTo(int port);
 void SendAll(int socket, const std::string& bytes);  // stops where the peer has closed
 // Everything the peer sends until it closes; closes the socket.
 [[nodiscard]] std::string ReadToEnd(int socket);
-// Connect, send, end the sending side, read to the end.
+// ConnectTo, send, end the sending side, read to the end.
 [[nodiscard]] std::string ExchangeBytes(int port, const std::string& bytes);
 
 }  // namespace powderkeg
