@@ -250,7 +250,10 @@ std::optional<HttpAddress> ParseHttpAddress(std::string_view text) {
 }
 
 HttpReply HttpError(int status, std::string_view reason) {
-  return {.status = status, .body = nlohmann::json{{"error", reason}}.dump()};
+  // Reasons quote what strangers sent.
+  const auto handler = nlohmann::json::error_handler_t::replace;
+  return {.status = status,
+          .body = nlohmann::json{{"error", reason}}.dump(-1, ' ', false, handler)};
 }
 
 HttpServer::HttpServer(std::vector<HttpRoute> routes, const HttpServerSettings& settings)
