@@ -165,7 +165,7 @@ class Display {
 LiveStatus StatusOf(const LearnerLoop::Progress& progress, const IntakeStatistics& intake,
                     int iterations) {
   LiveStatus status;
-  status.iteration = std::min(progress.iteration + 1, iterations);
+  status.iterations_done = progress.iteration;
   status.iterations = iterations;
   status.decisions = progress.games.decisions_in_prefix;
   status.decisions_wanted = progress.decisions_wanted;
