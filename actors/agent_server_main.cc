@@ -10,12 +10,13 @@
 #include <vector>
 
 #include "actors/evaluator_choice.h"
+#include "actors/http/agent_routes.h"
 #include "actors/http/agent_service.h"
-#include "actors/http/http_server.h"
 #include "actors/play/factory.h"
 #include "actors/run_main.h"
 #include "common/base/check.h"
 #include "common/base/log.h"
+#include "common/http/http_server.h"
 #include "common/model/evaluation_cache.h"
 #include "common/model/weights_snapshot.h"
 
@@ -148,9 +149,10 @@ Seat Serve(const AgentDescription& agent, int port, const Arguments& arguments) 
                       .seed = arguments.seed});
   if (timed) seat.service->WarmUp();
   seat.server = std::make_unique<HttpServer>(
-      *seat.service, HttpServerSettings{.host = arguments.host, .port = port});
+      AgentRoutes(*seat.service),
+      HttpServerSettings{.address = {.host = arguments.host, .port = port}});
   log::Info("serving", "agent", agent.text, "evaluator", model.evaluator->name(), "host",
-            arguments.host, "port", seat.server->port());
+            arguments.host, "port", seat.server->address().port);
   return seat;
 }
 
@@ -169,7 +171,7 @@ double Milliseconds(std::chrono::microseconds time) {
 }
 
 void Report(const Seat& seat) {
-  const int port = seat.server->port();
+  const int port = seat.server->address().port;
   const ServiceStatistics served = seat.service->statistics();
   const MoveTimes& slowest = served.slowest_move;
   log::Info("served", "port", port, "games", served.games, "moves", served.moves, "refused",

@@ -15,12 +15,14 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <random>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -31,12 +33,16 @@
 #include "common/base/log.h"
 #include "common/base/worker.h"
 #include "common/config/config.h"
+#include "common/http/http_server.h"
 #include "common/pommerman/game_settings.h"
 #include "common/wire/zmq_transport.h"
 #include "learner/intake/session_server.h"
 #include "learner/replay/store.h"
+#include "learner/report/dashboard.h"
+#include "learner/report/iteration_history.h"
 #include "learner/report/iteration_table.h"
 #include "learner/report/live_line.h"
+#include "learner/report/run_view.h"
 #include "learner/train/learner_loop.h"
 
 namespace powderkeg {
@@ -56,8 +62,30 @@ struct Options {
   std::string listen = "tcp://127.0.0.1:5555";
   std::string keys;
   bool insecure = false;
+  std::string http = "off";
   std::string log_level = "info";
 };
+
+// Where the dashboard is served if nobody says where.
+const HttpAddress kUsualHttpAddress{.host = "127.0.0.1", .port = 8265};
+
+// What --http says; nullopt: nothing is served.
+std::optional<HttpServerSettings> HttpSettingsFor(const std::string& text) {
+  if (text == "off") return std::nullopt;
+  HttpServerSettings settings;
+  settings.threads = 4;
+  settings.max_waiting = 64;
+  settings.max_request_bytes = 1024;
+  settings.io_timeout = milliseconds(5000);
+  settings.any_port_if_taken = text == "auto";
+  const auto address = text == "auto" ? kUsualHttpAddress : ParseHttpAddress(text);
+  if (!address) {
+    throw Error(StrCat("--http is '", text,
+                       "', expected ADDRESS:PORT with a port from 0 to 65535, ", "auto or off"));
+  }
+  settings.address = *address;
+  return settings;
+}
 
 // Only one learner at a time may own a run. Held until the process ends.
 class RunLock {
@@ -165,7 +193,7 @@ class Display {
 LiveStatus StatusOf(const LearnerLoop::Progress& progress, const IntakeStatistics& intake,
                     int iterations) {
   LiveStatus status;
-  status.iteration = std::min(progress.iteration + 1, iterations);
+  status.iterations_done = progress.iteration;
   status.iterations = iterations;
   status.decisions = progress.games.decisions_in_prefix;
   status.decisions_wanted = progress.decisions_wanted;
@@ -186,31 +214,19 @@ LiveStatus StatusOf(const LearnerLoop::Progress& progress, const IntakeStatistic
 // Everything between a run's folder and the end of the process.
 class Learner {
  public:
-  explicit Learner(const Options& options)
-      : lock_(options.run_dir),
+  Learner(const Options& options, const std::optional<HttpServerSettings>& http)
+      : name_(NameOf(options.run_dir)),
+        lock_(options.run_dir),
         config_(ConfigOf(options)),
         store_(options.run_dir / "replay"),
-        loop_(LoopSettings(options), LoopHooks()) {
-    std::vector<std::uint64_t> known;
-    store_.Load(
-        [&](std::uint64_t ticket) {
-          known.push_back(ticket);
-          return loop_.Wants(ticket);
-        },
-        [&](GameRecord&& game) { loop_.Add(std::move(game)); });
+        loop_(LoopSettings(options), LoopHooks()),
+        history_(options.run_dir / "iterations.csv") {
+    const std::vector<std::uint64_t> known = LoadGames();
     log::Info("run opened", "folder", options.run_dir.string(), "games", known.size(),
               "iterations_done", loop_.progress().iteration);
-    std::optional<std::filesystem::path> keys;
-    if (!options.keys.empty()) keys = options.keys;
-    SessionServerSettings settings;
-    settings.run_id = RunIdOf(options.run_dir);
-    settings.self_play = config_.self_play;
-    settings.wants_games = [this] { return !loop_.Full(); };
-    server_ = std::make_unique<SessionServer>(
-        settings, ListenZmq({options.listen, keys, options.insecure}),
-        [this](std::vector<GameRecord> games) { Append(std::move(games)); }, known);
+    ServeActors(options, known);
+    if (http) ServeHttp(*http);
     StoreText(StoredConfig(options), ToText(config_));  // nothing has turned out wrong
-    log::Info("listening", "endpoint", server_->endpoint(), "keys", keys ? "yes" : "no");
     Display::ShowLine(StrCat(options.run_dir.string(), ": ", loop_.progress().iteration, " of ",
                              config_.training.iterations, " iterations done, ", known.size(),
                              " games stored"));
@@ -221,8 +237,7 @@ class Learner {
   void Run() {
     Worker trainer("trainer", [this](const std::stop_token& stop) { loop_.Run(stop); });
     while (stop_signal == 0 && !trainer.finished() && !server_->failed()) {
-      display_.ShowStatus(
-          StatusOf(loop_.progress(), server_->statistics(), config_.training.iterations));
+      display_.ShowStatus(View().status);
       std::this_thread::sleep_for(milliseconds(500));
     }
     display_.Clear();
@@ -258,9 +273,35 @@ class Learner {
     return {.publish = [this](const Snapshot& snapshot) { server_->Publish(snapshot); },
             .iteration_done =
                 [this](const IterationReport& report) {
+                  history_.Append(report);
                   display_.ShowIteration(report);
                   merge_wanted_ = true;
                 }};
+  }
+
+  // The tickets of the games stored so far; those that are still needed go to the loop.
+  std::vector<std::uint64_t> LoadGames() {
+    std::vector<std::uint64_t> known;
+    store_.Load(
+        [&](std::uint64_t ticket) {
+          known.push_back(ticket);
+          return loop_.Wants(ticket);
+        },
+        [&](GameRecord&& game) { loop_.Add(std::move(game)); });
+    return known;
+  }
+
+  void ServeActors(const Options& options, std::span<const std::uint64_t> known) {
+    std::optional<std::filesystem::path> keys;
+    if (!options.keys.empty()) keys = options.keys;
+    SessionServerSettings settings;
+    settings.run_id = RunIdOf(options.run_dir);
+    settings.self_play = config_.self_play;
+    settings.wants_games = [this] { return !loop_.Full(); };
+    server_ = std::make_unique<SessionServer>(
+        settings, ListenZmq({options.listen, keys, options.insecure}),
+        [this](std::vector<GameRecord> games) { Append(std::move(games)); }, known);
+    log::Info("listening", "endpoint", server_->endpoint(), "keys", keys ? "yes" : "no");
   }
 
   // On the store thread, which makes all HDF5 calls.
@@ -272,13 +313,36 @@ class Learner {
     for (GameRecord& game : games) loop_.Add(std::move(game));
   }
 
+  // By any thread.
+  [[nodiscard]] RunView View() const {
+    RunView view{.run = name_, .started_unix_s = started_};
+    view.intake = server_->statistics();
+    view.status = StatusOf(loop_.progress(), view.intake, config_.training.iterations);
+    view.last_iteration = history_.last();
+    return view;
+  }
+
+  void ServeHttp(const HttpServerSettings& settings) {
+    http_.emplace(DashboardRoutes([this] { return View(); }, history_), settings);
+    const HttpAddress& address = http_->address();
+    const int asked = settings.address.port;
+    const bool taken = asked != 0 && address.port != asked;
+    log::Info("serving the dashboard", "url", address.url());
+    Display::ShowLine(
+        StrCat("dashboard: ", address.url(), taken ? StrCat(" (port ", asked, " is taken)") : ""));
+  }
+
+  const std::string name_;
+  const std::time_t started_ = std::time(nullptr);
   RunLock lock_;
   RunConfig config_;
   Display display_;
   std::atomic<bool> merge_wanted_ = false;
   ReplayStore store_;
   LearnerLoop loop_;
-  std::unique_ptr<SessionServer> server_;  // last: its threads use what stands above
+  IterationHistory history_;
+  std::unique_ptr<SessionServer> server_;  // its threads use what stands above
+  std::optional<HttpServer> http_;         // and so do its
 };
 
 // Every peer takes a file, and without one left nothing could be stored.
@@ -304,6 +368,12 @@ int Main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--keys", options.keys, "folder of CURVE keys (deploy/keys)");
   app.add_flag("--insecure", options.insecure, "allow other machines without keys");
+  app.add_option(
+         "--http", options.http,
+         "where to serve a dashboard, /status.json, /iterations.csv and /metrics (Prometheus):\n"
+         "ADDRESS:PORT (port 0: any free one), off, or auto: 127.0.0.1:8265 or, where that is\n"
+         "taken, any free port. Read-only and unauthenticated: whoever reaches it sees the run")
+      ->capture_default_str();
   app.add_option("--log-level", options.log_level, "debug, info, warn or error")
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
@@ -313,10 +383,11 @@ int Main(int argc, char** argv) {
   std::signal(SIGTERM, [](int) { stop_signal = 1; });
   std::signal(SIGHUP, [](int) { stop_signal = 1; });
   try {
+    const auto http = HttpSettingsFor(options.http);
     std::filesystem::create_directories(options.run_dir / "log");
     log::Init((options.run_dir / "log" / "learner.log").string(), log::LevelFor(options.log_level),
               /*console=*/log::Level::kWarn);  // the display shows the rest
-    Learner(options).Run();
+    Learner(options, http).Run();
     return 0;
   } catch (const Error& error) {
     log::Error("learner failed", "reason", error.what());

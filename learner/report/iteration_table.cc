@@ -1,11 +1,12 @@
 #include "learner/report/iteration_table.h"
 
+#include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdarg>
 #include <cstdio>
-#include <sstream>
+#include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "common/base/check.h"
 #include "common/base/digest.h"
@@ -34,52 +35,71 @@ std::string Percentage(std::uint64_t count, std::uint64_t total) {
                 100 * interval.high);
 }
 
-// One column of the CSV file.
-struct Column {
-  const char* name;
-  std::string value;
-};
-
-std::vector<Column> ColumnsOf(const IterationReport& report) {
-  const auto& [wins, ties, losses] = report.score;
-  const Interval win_interval = WilsonInterval(wins, report.score.games());
-  const auto number = [](double value) { return Format("%.6g", value); };
-  const auto& shares = report.action_shares;
-  return {{"iteration", std::to_string(report.iteration)},
-          {"games", std::to_string(report.games)},
-          {"decisions", std::to_string(report.decisions)},
-          {"wins", std::to_string(wins)},
-          {"ties", std::to_string(ties)},
-          {"losses", std::to_string(losses)},
-          {"win_rate", number(Share(wins, report.score.games()))},
-          {"win_rate_low95", number(win_interval.low)},
-          {"win_rate_high95", number(win_interval.high)},
-          {"mean_steps", number(report.mean_steps)},
-          {"share_stop", number(shares[0])},
-          {"share_up", number(shares[1])},
-          {"share_down", number(shares[2])},
-          {"share_left", number(shares[3])},
-          {"share_right", number(shares[4])},
-          {"share_bomb", number(shares[5])},
-          {"weights_lag", number(report.weights_lag)},
-          {"total_loss", number(report.total_loss)},
-          {"policy_loss", number(report.policy_loss)},
-          {"value_loss", number(report.value_loss)},
-          {"policy_accuracy", number(report.policy_accuracy)},
-          {"samples_per_s", number(report.samples_per_s)},
-          {"waited_s", number(report.waited_s)},
-          {"trained_s", number(report.trained_s)}};
+// Calls visit(name, value) for each column of the CSV file. The values can be set, but for those
+// that follow from others.
+template <typename Report, typename Visit>
+void VisitColumns(Report& report, Visit visit) {
+  constexpr std::array<const char*, kActionCount> kShares = {
+      "share_stop", "share_up", "share_down", "share_left", "share_right", "share_bomb"};
+  visit("iteration", report.iteration);
+  visit("games", report.games);
+  visit("decisions", report.decisions);
+  visit("wins", report.score.wins);
+  visit("ties", report.score.ties);
+  visit("losses", report.score.losses);
+  const std::uint64_t results = report.score.games();
+  const double win_rate = Share(report.score.wins, results);
+  const Interval win_interval = WilsonInterval(report.score.wins, results);
+  visit("win_rate", win_rate);
+  visit("win_rate_low95", win_interval.low);
+  visit("win_rate_high95", win_interval.high);
+  visit("mean_steps", report.mean_steps);
+  for (std::size_t i = 0; i < kShares.size(); ++i) visit(kShares[i], report.action_shares[i]);
+  visit("weights_lag", report.weights_lag);
+  visit("total_loss", report.total_loss);
+  visit("policy_loss", report.policy_loss);
+  visit("value_loss", report.value_loss);
+  visit("policy_accuracy", report.policy_accuracy);
+  visit("samples_per_s", report.samples_per_s);
+  visit("waited_s", report.waited_s);
+  visit("trained_s", report.trained_s);
 }
 
-template <typename Field>
-std::string Joined(const IterationReport& report, Field field) {
-  std::string line;
-  for (const Column& column : ColumnsOf(report)) {
-    if (!line.empty()) line += ',';
-    line += column.*field;
+void AppendCell(std::string& line, const std::string& cell) {
+  if (!line.empty()) line += ',';
+  line += cell;
+}
+
+template <typename Number>
+std::string Text(Number number) {
+  if constexpr (std::is_integral_v<Number>) return std::to_string(number);
+  return Format("%.6g", static_cast<double>(number));
+}
+
+// Takes the cells of a row off one by one, into the values of its columns.
+class RowReader {
+ public:
+  explicit RowReader(std::string_view row) : rest_(row) {}
+
+  template <typename Number>
+  void Read(Number& value) {
+    const std::string_view cell = rest_.substr(0, rest_.find(','));
+    std::remove_const_t<Number> number{};
+    const auto [end, error] = std::from_chars(cell.begin(), cell.end(), number);
+    good_ = good_ && error == std::errc() && end == cell.end();
+    if constexpr (!std::is_const_v<Number>) value = number;
+    ended_ = cell.size() == rest_.size();
+    rest_.remove_prefix(std::min(cell.size() + 1, rest_.size()));
   }
-  return line;
-}
+
+  // Whether every cell was a number, and the last one the row's last.
+  [[nodiscard]] bool good() const { return good_ && ended_; }
+
+ private:
+  std::string_view rest_;
+  bool good_ = true;
+  bool ended_ = false;
+};
 
 // The whole rows before `next_iteration`. The last line counts only with its line end.
 std::string RowsToKeep(const std::filesystem::path& path, int next_iteration) {
@@ -132,10 +152,25 @@ std::string FitTable(const std::string& line, std::size_t width) {
   return fitted.substr(0, fitted.find_last_not_of(' ') + 1);
 }
 
-std::string IterationCsv::Header() { return Joined(IterationReport{}, &Column::name); }
+std::string IterationCsv::Header() {
+  std::string line;
+  const IterationReport report;
+  VisitColumns(report, [&line](const char* name, const auto&) { AppendCell(line, name); });
+  return line;
+}
 
 std::string IterationCsv::Row(const IterationReport& report) {
-  return Joined(report, &Column::value);
+  std::string line;
+  VisitColumns(report, [&line](const char*, auto value) { AppendCell(line, Text(value)); });
+  return line;
+}
+
+std::optional<IterationReport> IterationCsv::Parse(std::string_view row) {
+  IterationReport report;
+  RowReader reader(row);
+  VisitColumns(report, [&reader](const char*, auto& value) { reader.Read(value); });
+  if (!reader.good()) return std::nullopt;
+  return report;
 }
 
 IterationCsv::IterationCsv(std::filesystem::path path, int next_iteration)

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "common/base/stats.h"
 #include "common/pommerman/types.h"
@@ -53,6 +55,8 @@ class IterationCsv {
 
   [[nodiscard]] static std::string Header();
   [[nodiscard]] static std::string Row(const IterationReport& report);
+  // The report of a row, to the six digits that are written; nullopt if it is none.
+  [[nodiscard]] static std::optional<IterationReport> Parse(std::string_view row);
 
  private:
   std::filesystem::path path_;

@@ -70,7 +70,7 @@ std::string Grouped(std::uint64_t number) {
 std::string LiveLine::Next(const LiveStatus& status, Clock::time_point now, std::size_t width) {
   Measure(status, now);
   const std::string head =
-      "iteration " + std::to_string(status.iteration) + "/" + std::to_string(status.iterations);
+      "iteration " + std::to_string(status.iteration()) + "/" + std::to_string(status.iterations);
   const std::string activity = Activity(status);
   std::string line = head + " " + BarOf(status) + activity;
   if (line.size() > width) line = head + activity;
@@ -90,18 +90,21 @@ std::string LiveLine::Next(const LiveStatus& status, Clock::time_point now, std:
 
 // What it waits for or does, with a space before it.
 std::string LiveLine::Activity(const LiveStatus& status) const {
-  if (status.samples_wanted > 0) {
-    return " training " + Grouped(status.samples) + " of " + Grouped(status.samples_wanted) +
-           " samples, " + Short(samples_per_s_) + "/s" +
-           TimeLeft(static_cast<double>(status.samples_wanted - status.samples), samples_per_s_);
-  }
-  if (status.decisions >= status.decisions_wanted) return " has its games";
   const std::string have = " have " + Grouped(status.decisions) + " of " +
                            Grouped(status.decisions_wanted) + " decisions";
-  const std::uint64_t finished = status.decisions + status.decisions_beyond;
-  if (status.straggler && finished >= status.decisions_wanted) {
-    return have + ", waiting for game " + std::to_string(*status.straggler);
+  switch (PhaseOf(status)) {
+    case Phase::kComplete: return " done";
+    case Phase::kPreparing: return " has its games";
+    case Phase::kTraining:
+      return " training " + Grouped(status.samples) + " of " + Grouped(status.samples_wanted) +
+             " samples, " + Short(samples_per_s_) + "/s" +
+             TimeLeft(static_cast<double>(status.samples_wanted - status.samples), samples_per_s_);
+    case Phase::kWaitingForActors: return have + ", waiting for actors";
+    case Phase::kWaitingForGame:
+      return have + ", waiting for game " + std::to_string(*status.straggler);
+    case Phase::kPlaying: break;
   }
+  const std::uint64_t finished = status.decisions + status.decisions_beyond;
   return have +
          TimeLeft(static_cast<double>(status.decisions_wanted) - static_cast<double>(finished),
                   decisions_per_s_);

@@ -8,29 +8,9 @@
 #include <optional>
 #include <string>
 
+#include "learner/report/live_status.h"
+
 namespace powderkeg {
-
-// Totals at one moment, all since the start of the learner or of the actors.
-struct LiveTotals {
-  std::uint64_t games = 0;      // durable
-  std::uint64_t decisions = 0;  // in those
-  std::uint64_t evaluations = 0;
-  std::uint64_t batches = 0;
-};
-
-// What the run is at.
-struct LiveStatus {
-  int iteration = 0;  // in progress, from 1
-  int iterations = 0;
-  std::uint64_t decisions = 0;         // usable for the iteration's data set
-  std::uint64_t decisions_wanted = 0;  // in it
-  std::uint64_t decisions_beyond = 0;  // finished games behind a straggler
-  std::optional<std::uint64_t> straggler;
-  std::uint64_t samples = 0;  // trained; samples_wanted == 0: not training
-  std::uint64_t samples_wanted = 0;
-  std::size_t actors = 0;
-  LiveTotals totals;
-};
 
 // Turns successive statuses into lines with rates over the last seconds. One thread.
 class LiveLine {

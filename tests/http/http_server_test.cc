@@ -1,16 +1,19 @@
-#include "actors/http/http_server.h"
+#include "common/http/http_server.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 
+#include <array>
 #include <atomic>
 #include <memory>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "actors/http/agent_routes.h"
 #include "actors/play/factory.h"
 #include "actors/play/parallel_evaluator.h"
 #include "common/base/check.h"
@@ -18,6 +21,7 @@
 #include "common/pommerman/generate.h"
 #include "tests/http/gated_evaluator.h"
 #include "tests/http/official_runner.h"
+#include "tests/http/raw_socket.h"
 #include "tests/http/runner_json.h"
 #include "tests/http/scripted_agent.h"
 
@@ -37,7 +41,7 @@ Seat SeatFor(std::string_view agent, const ServiceSettings& settings = {},
              const std::shared_ptr<Evaluator>& evaluator = std::make_shared<UniformEvaluator>()) {
   Seat seat;
   seat.service = std::make_unique<AgentService>(MakeAgent(ParseAgent(agent)), evaluator, settings);
-  seat.server = std::make_unique<HttpServer>(*seat.service, HttpServerSettings{.port = 0});
+  seat.server = std::make_unique<HttpServer>(AgentRoutes(*seat.service), HttpServerSettings{});
   return seat;
 }
 
@@ -56,7 +60,7 @@ TEST_P(WholeGameTest, EveryRequestIsAnsweredWithAnAction) {
   std::array<int, kAgentCount> ports{};
   for (std::size_t i = 0; i < seats.size(); ++i) {
     seats[i] = SeatFor(GetParam().agents[i]);
-    ports[i] = seats[i].server->port();
+    ports[i] = seats[i].server->address().port;
   }
   const GameSettings settings = GameSettingsFor(GetParam().environment).value();
   OfficialRunner runner(settings, ports);
@@ -94,7 +98,7 @@ TEST(WholeGameTest, SearchAgentsPlayLegalMoves) {
   std::array<int, kAgentCount> ports{};
   for (std::size_t i = 0; i < seats.size(); ++i) {
     seats[i] = SeatFor(i == 0 ? "search:simulations=20" : "harmless");
-    ports[i] = seats[i].server->port();
+    ports[i] = seats[i].server->address().port;
   }
   OfficialRunner runner(GameSettings{}, ports);
   runner.RequireLegal(0);
@@ -109,7 +113,7 @@ TEST(WholeGameTest, ASearchUnderAClockAnswersInTime) {
   for (std::size_t i = 0; i < seats.size(); ++i) {
     seats[i] = i == 0 ? SeatFor("search:simulations=20000", {.move_time = milliseconds(10)})
                       : SeatFor("harmless");
-    ports[i] = seats[i].server->port();
+    ports[i] = seats[i].server->address().port;
   }
   OfficialRunner runner(GameSettings{}, ports);
   runner.RequireLegal(0);
@@ -141,7 +145,7 @@ TEST(WholeGameTest, TwoServersAnswerEveryRequestBesideABusyProgram) {
       seats[i] = i == 0 ? SeatFor("search:simulations=20000,leaves_per_batch=8",
                                   {.move_time = milliseconds(10)}, evaluator)
                         : SeatFor("harmless");
-      ports[i] = seats[i].server->port();
+      ports[i] = seats[i].server->address().port;
     }
     seats[0].service->WarmUp();
     OfficialRunner runner(GameSettings{}, ports);
@@ -163,18 +167,18 @@ class HttpServerTest : public ::testing::Test {
     service_ =
         std::make_unique<AgentService>(std::make_unique<ScriptedAgent>(diary_, 0),
                                        std::make_shared<UniformEvaluator>(), ServiceSettings{});
-    server_ = std::make_unique<HttpServer>(*service_, settings);
+    server_ = std::make_unique<HttpServer>(AgentRoutes(*service_), settings);
   }
-  void SetUp() override { Listen({.port = 0}); }
+  void SetUp() override { Listen({}); }
 
-  httplib::Client Client() const { return httplib::Client("127.0.0.1", server_->port()); }
+  httplib::Client Client() const { return httplib::Client("127.0.0.1", server_->address().port); }
   static std::string Action() {
     const State state = GenerateStart(GameSettings{}, {}, Rng(1));
     return ActionBody(GameSettings{}, Observe(GameSettings{}, state, 0));
   }
   // Sends bytes as they are, ends the sending side and returns all that comes back.
   std::string Exchange(const std::string& bytes) const {
-    return ExchangeBytes(server_->port(), bytes);
+    return ExchangeBytes(server_->address().port, bytes);
   }
 
   AgentDiary diary_;
@@ -230,9 +234,9 @@ TEST_F(HttpServerTest, AMoveBeginsWithTheArrivalOfItsRequest) {
 }
 
 TEST_F(HttpServerTest, WaitingForAThreadCountsAsTimeOfTheMove) {
-  Listen({.port = 0, .threads = 1, .io_timeout = milliseconds(60)});
+  Listen({.threads = 1, .io_timeout = milliseconds(60)});
   (void)service_->InitAgent(InitBody(0, Mode::kFreeForAll));
-  const int silent = Connect(server_->port());  // keeps the only thread for 60 ms
+  const int silent = ConnectTo(server_->address().port);  // keeps the only thread for 60 ms
   const auto result = Client().Post("/action", Action(), "application/json");
   ASSERT_TRUE(result);
   EXPECT_EQ(result->status, 200);
@@ -247,7 +251,7 @@ TEST(HttpServerOfASearch, AnEvaluatorThatFailsIsReportedAndTheServerGoesOn) {
   evaluator->FailAfter(1, std::make_exception_ptr(Error("the device is lost")));
   const State state = GenerateStart(GameSettings{}, {}, Rng(1));
   const std::string body = ActionBody(GameSettings{}, Observe(GameSettings{}, state, 0));
-  httplib::Client client("127.0.0.1", seat.server->port());
+  httplib::Client client("127.0.0.1", seat.server->address().port);
   const auto failed = client.Post("/action", body, "application/json");
   ASSERT_TRUE(failed);
   EXPECT_EQ(failed->status, 500);
@@ -299,17 +303,96 @@ TEST_F(HttpServerTest, CompressedBodiesAreRead) {
 }
 
 TEST_F(HttpServerTest, APortIsServedOnce) {
-  EXPECT_THROW(Listen({.port = server_->port()}), Error);
-  EXPECT_THROW(Listen({.host = "no.such.host.invalid", .port = 0}), Error);
+  EXPECT_THROW(Listen({.address = server_->address()}), Error);
+  EXPECT_THROW(Listen({.address = {.host = "no.such.host.invalid"}}), Error);
   EXPECT_EQ(Client().Get("/ping")->status, 200);
 }
 
 TEST_F(HttpServerTest, APortIsFreeAgainAfterTheServer) {
-  const int port = server_->port();
+  const HttpAddress address = server_->address();
   EXPECT_EQ(Client().Get("/ping")->status, 200);
   server_.reset();
-  Listen({.port = port});
+  Listen({.address = address});
   EXPECT_EQ(Client().Get("/ping")->status, 200);
+}
+
+TEST_F(HttpServerTest, AnotherPortIsServedWhereOneIsTakenIfThatIsAllowed) {
+  const int taken = server_->address().port;
+  const HttpServer other(AgentRoutes(*service_),
+                         {.address = server_->address(), .any_port_if_taken = true});
+  EXPECT_NE(other.address().port, taken);
+  EXPECT_EQ(httplib::Client("127.0.0.1", other.address().port).Get("/ping")->status, 200);
+  EXPECT_THROW(HttpServer({}, {.address = {.host = "no.such.host.invalid", .port = taken},
+                               .any_port_if_taken = true}),
+               Error);
+}
+
+TEST(HttpAddress, IsReadAndWritten) {
+  EXPECT_EQ(ParseHttpAddress("127.0.0.1:8265"), (HttpAddress{.host = "127.0.0.1", .port = 8265}));
+  EXPECT_EQ(ParseHttpAddress("localhost:0"), (HttpAddress{.host = "localhost", .port = 0}));
+  EXPECT_EQ(ParseHttpAddress("[::1]:65535"), (HttpAddress{.host = "::1", .port = 65535}));
+  for (const char* text : {"", ":", ":80", "foo", "8265", "foo:", "foo:x", "foo:80x", "foo:-1",
+                           "foo:65536", "foo:99999999999999999999", "foo: 80"}) {
+    EXPECT_EQ(ParseHttpAddress(text), std::nullopt) << text;
+  }
+  EXPECT_EQ((HttpAddress{.host = "127.0.0.1", .port = 8265}.url()), "http://127.0.0.1:8265/");
+  EXPECT_EQ((HttpAddress{.host = "::1", .port = 1}.url()), "http://[::1]:1/");
+}
+
+// --- Routes that are not an agent's -------------------------------------------------------------
+
+TEST(HttpServerOfRoutes, AGetAnswersWithItsTypeAndKnowsItsParameters) {
+  const HttpServer server({{"GET", "/page.html",
+                            [](const HttpRequest& request) {
+                              return HttpReply{.body = request.parameters.at("after"),
+                                               .type = "text/html"};
+                            }}},
+                          {});
+  httplib::Client client("127.0.0.1", server.address().port);
+  const auto result = client.Get("/page.html?after=%3C3&after=4&x");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, 200);
+  EXPECT_EQ(result->body, "<3");
+  EXPECT_EQ(result->get_header_value("Content-Type"), "text/html");
+  EXPECT_EQ(client.Get("/page.html")->status, 500) << "an exception of the route";
+  EXPECT_EQ(client.Get("/pagexhtml")->status, 404) << "a path is no pattern";
+  EXPECT_EQ(client.Post("/page.html")->get_header_value("Allow"), "GET");
+}
+
+constexpr std::size_t kLongAnswer = 32 << 20;
+
+HttpRoute LongAnswer() {
+  return {"GET", "/", [](const HttpRequest&) {
+            return HttpReply{.body = std::string(kLongAnswer, 'x'), .type = "image/x"};
+          }};
+}
+
+TEST(HttpServerOfRoutes, ALongAnswerArrivesWhole) {
+  const HttpServer server({LongAnswer()}, {.io_timeout = std::chrono::seconds(60)});
+  const std::string answer = ExchangeBytes(server.address().port, "GET / HTTP/1.1\r\n\r\n");
+  EXPECT_EQ(answer.size(), answer.find("\r\n\r\n") + 4 + kLongAnswer);
+}
+
+// Reads a byte now and then, so that each single write makes progress.
+void Sip(int socket, const std::stop_token& stop) {
+  std::array<char, 1024> some{};
+  while (!stop.stop_requested() && ::recv(socket, some.data(), some.size(), 0) > 0) {
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+}
+
+TEST(HttpServerOfRoutes, AClientThatReadsSlowlyHoldsAThreadForAWhileOnly) {
+  const HttpServer server({LongAnswer(), {"GET", "/ping", [](auto&&) { return HttpReply{}; }}},
+                          {.threads = 1, .io_timeout = milliseconds(100)});
+  const int slow = ConnectTo(server.address().port);
+  SendAll(slow, "GET / HTTP/1.1\r\n\r\n");
+  std::jthread sipping([slow](const std::stop_token& stop) { Sip(slow, stop); });
+  httplib::Client client("127.0.0.1", server.address().port);
+  const auto result = client.Get("/ping");
+  ASSERT_TRUE(result) << "the only thread is held";
+  EXPECT_EQ(result->status, 200);
+  sipping = {};
+  (void)ReadToEnd(slow);
 }
 
 // --- Many connections ---------------------------------------------------------------------------
@@ -331,7 +414,7 @@ TEST_F(HttpServerTest, AThousandConnectionsAtOnceAreAllAnswered) {
       StrCat("POST /action HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n",
              "Content-Length: ", body.size(), "\r\n\r\n", body);
   std::vector<int> sockets;
-  for (int i = 0; i < 1000; ++i) sockets.push_back(Connect(server_->port()));
+  for (int i = 0; i < 1000; ++i) sockets.push_back(ConnectTo(server_->address().port));
   for (const int socket : sockets) SendAll(socket, request);
   int answered = 0;
   for (const int socket : sockets) {
@@ -343,9 +426,9 @@ TEST_F(HttpServerTest, AThousandConnectionsAtOnceAreAllAnswered) {
 
 TEST_F(HttpServerTest, AThousandSilentConnectionsDoNotStopTheServer) {
   AllowManyConnections();
-  Listen({.port = 0, .io_timeout = milliseconds(50)});
+  Listen({.io_timeout = milliseconds(50)});
   std::vector<int> sockets;
-  for (int i = 0; i < 1000; ++i) sockets.push_back(Connect(server_->port()));
+  for (int i = 0; i < 1000; ++i) sockets.push_back(ConnectTo(server_->address().port));
   auto client = Client();
   client.set_read_timeout(std::chrono::seconds(60));
   const auto result = client.Get("/ping");

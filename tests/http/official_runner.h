@@ -1,6 +1,6 @@
 #pragma once
 
-// A client that behaves as the official runner and plays by our own rules; and raw sockets.
+// A client that behaves as the official runner and plays by our own rules.
 
 #include <array>
 #include <string>
@@ -46,13 +46,5 @@ class OfficialRunner {
   bool started_ = false;
   std::string failure_;
 };
-
-// Raw sockets on loopback; CHECK that the system plays along.
-[[nodiscard]] int Connect(int port);
-void SendAll(int socket, const std::string& bytes);  // stops where the peer has closed
-// Everything the peer sends until it closes; closes the socket.
-[[nodiscard]] std::string ReadToEnd(int socket);
-// Connect, send, end the sending side, read to the end.
-[[nodiscard]] std::string ExchangeBytes(int port, const std::string& bytes);
 
 }  // namespace powderkeg

@@ -6,34 +6,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include "common/base/check.h"
 #include "tests/learner/record_support.h"
+#include "tests/learner/report_support.h"
 
 namespace powderkeg {
 namespace {
-
-IterationReport ReportOf(int iteration) {
-  IterationReport report;
-  report.iteration = iteration;
-  report.games = 512;
-  report.decisions = 100'123;
-  report.score = {.wins = 400, .ties = 50, .losses = 62};
-  report.mean_steps = 195.55;
-  report.action_shares = {0.31, 0.14, 0.15, 0.16, 0.14, 0.10};
-  report.weights_lag = 0.25;
-  report.total_loss = 0.9;
-  report.policy_loss = 0.95;
-  report.value_loss = 0.45;
-  report.policy_accuracy = 0.625;
-  report.samples_per_s = 2345;
-  report.waited_s = 61;
-  report.trained_s = 123;
-  return report;
-}
 
 std::string Contents(const std::filesystem::path& path) {
   std::ostringstream text;
@@ -81,6 +65,25 @@ TEST(IterationCsv, HeaderAndRowsHaveAsManyColumns) {
   const std::string row = IterationCsv::Row(ReportOf(3));
   EXPECT_EQ(std::ranges::count(header, ','), std::ranges::count(row, ','));
   EXPECT_TRUE(row.starts_with("3,512,100123,400,50,62,0.78125,"));
+}
+
+TEST(IterationCsv, ARowIsReadBackAsItWasWritten) {
+  IterationReport report = ReportOf(3);
+  report.mean_steps = 123.456;
+  EXPECT_EQ(IterationCsv::Parse(IterationCsv::Row(report)), report);
+  report.value_loss = std::numeric_limits<double>::quiet_NaN();
+  const auto parsed = IterationCsv::Parse(IterationCsv::Row(report));
+  ASSERT_TRUE(parsed);
+  EXPECT_TRUE(std::isnan(parsed->value_loss));
+  EXPECT_EQ(IterationCsv::Row(*parsed), IterationCsv::Row(report));
+}
+
+TEST(IterationCsv, WhatIsNoRowIsNotRead) {
+  const std::string row = IterationCsv::Row(ReportOf(3));
+  for (const std::string& text : {std::string(), IterationCsv::Header(), row + ",", row + ",1",
+                                  row + "x", row.substr(0, row.rfind(',')), "x" + row}) {
+    EXPECT_EQ(IterationCsv::Parse(text), std::nullopt) << text;
+  }
 }
 
 TEST(IterationCsv, WritesTheHeaderOnceAndAppendsOnResume) {

@@ -14,7 +14,7 @@ const LiveLine::Clock::time_point kStart{};
 
 LiveStatus Waiting(std::uint64_t decisions) {
   LiveStatus status;
-  status.iteration = 3;
+  status.iterations_done = 2;
   status.iterations = 40;
   status.decisions = decisions;
   status.decisions_wanted = 100'000;

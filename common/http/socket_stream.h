@@ -7,17 +7,19 @@
 #include <array>
 #include <chrono>
 #include <cstddef>
+#include <optional>
 
 namespace powderkeg {
 
 // What one connection may take.
 struct ConnectionLimits {
   std::size_t max_bytes;              // read from the peer
-  std::chrono::milliseconds timeout;  // for all reads together, and for each write
+  std::chrono::milliseconds timeout;  // for all reads together, and for all writes from the first
 };
 
-// The stream that httplib parses a request from. Reads fail after the limits, so that endless
-// headers, endless bodies and one byte a second all end. Closes the socket. One thread.
+// The stream that httplib parses a request from and writes its answer to. Both fail after the
+// limits, so that endless headers, endless bodies and one byte a second all end. Closes the socket.
+// One thread.
 class SocketStream final : public httplib::Stream {
  public:
   SocketStream(socket_t socket, const ConnectionLimits& limits);
@@ -50,6 +52,7 @@ class SocketStream final : public httplib::Stream {
   socket_t socket_;
   ConnectionLimits limits_;
   Clock::time_point read_deadline_;
+  std::optional<Clock::time_point> write_deadline_;  // from the first write
   std::size_t bytes_left_;
   std::array<char, 4096> buffer_;
   std::size_t begin_ = 0;  // of the unread bytes in the buffer

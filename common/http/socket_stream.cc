@@ -1,4 +1,4 @@
-#include "actors/http/socket_stream.h"
+#include "common/http/socket_stream.h"
 
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -27,7 +27,9 @@ SocketStream::~SocketStream() {
 
 bool SocketStream::is_readable() const { return begin_ < end_ || Wait(POLLIN, read_deadline_); }
 
-bool SocketStream::is_writable() const { return Wait(POLLOUT, Clock::now() + limits_.timeout); }
+bool SocketStream::is_writable() const {
+  return Wait(POLLOUT, write_deadline_.value_or(Clock::now() + limits_.timeout));
+}
 
 ssize_t SocketStream::read(char* data, std::size_t size) {
   if (begin_ == end_ && !Fill()) return -1;
@@ -38,12 +40,12 @@ ssize_t SocketStream::read(char* data, std::size_t size) {
 }
 
 ssize_t SocketStream::write(const char* data, std::size_t size) {
-  if (!is_writable()) return -1;
-  ssize_t sent = 0;
-  do {
-    sent = ::send(socket_, data, size, MSG_NOSIGNAL);
-  } while (sent < 0 && errno == EINTR);
-  return sent;
+  if (!write_deadline_) write_deadline_ = Clock::now() + limits_.timeout;
+  while (is_writable()) {
+    const ssize_t sent = ::send(socket_, data, size, MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent >= 0 || (errno != EINTR && errno != EAGAIN)) return sent;
+  }
+  return -1;
 }
 
 void SocketStream::get_remote_ip_and_port(std::string& ip, int& port) const {

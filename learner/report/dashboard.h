@@ -1,0 +1,26 @@
+#pragma once
+
+// A run as it looks in a browser, and what the page and other programs ask for.
+
+#include <functional>
+#include <vector>
+
+#include "common/http/http_server.h"
+#include "learner/report/iteration_history.h"
+#include "learner/report/run_view.h"
+
+namespace powderkeg {
+
+// The text of dashboard.html: it needs nothing but the routes below.
+extern const char* const kDashboardPage;
+
+//   GET /                        the page
+//   GET /status.json             status_json.h
+//   GET /iterations.csv?after=N  IterationCsv: the rows of iterations later than N (0: all)
+//   GET /metrics                 metrics.h
+// Nothing of the run can be changed. `view` is called by several threads at once and must not wait
+// for long; the history must outlive the routes.
+[[nodiscard]] std::vector<HttpRoute> DashboardRoutes(const std::function<RunView()>& view,
+                                                     const IterationHistory& history);
+
+}  // namespace powderkeg
