@@ -183,8 +183,11 @@ void SessionClient::CheckDownload(Connection& connection, Clock::time_point now)
 
 void SessionClient::CheckSilence(Connection& connection, Clock::time_point now) const {
   if (now - connection.last_heard < dead_after_) return;
-  log::Warn(connection.greeted ? "the learner is silent" : "cannot reach the learner, trying again",
-            "after_ms", dead_after_.count());
+  if (connection.greeted) {
+    log::Warn("the learner is silent, trying again", "after_ms", dead_after_.count());
+  } else {
+    log::Warn("cannot reach the learner, trying again", "reason", connection.channel->Trouble());
+  }
   connection.end = End::kRetry;
 }
 
