@@ -36,7 +36,11 @@ struct Arguments {
   std::string log_file;
   std::string log_level = "info";
   int patience_s = 10;
+  int give_up_s = 0;
 };
+
+// EX_TEMPFAIL of sysexits.h: the same again, later, may work.
+constexpr int kGaveUp = 75;
 
 std::string DefaultName() {
   std::array<char, 64> host{};
@@ -64,6 +68,9 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--patience", arguments.patience_s,
                  "seconds that the end waits for games to be acknowledged")
       ->check(CLI::Range(0, 3600));
+  app.add_option("--give-up", arguments.give_up_s,
+                 "seconds without the learner after which it ends with code 75; 0: never")
+      ->check(CLI::Range(0, 86'400));
   app.option_defaults()->always_capture_default();
 }
 
@@ -75,6 +82,7 @@ SelfPlaySettings SettingsOf(const Arguments& arguments) {
   settings.session.name = arguments.name;
   settings.session.incarnation = std::uint64_t{entropy()} << 32 | entropy();
   settings.session.loops = arguments.loops;
+  settings.session.give_up = std::chrono::seconds(arguments.give_up_s);
   settings.spool = arguments.spool;
   settings.patience = std::chrono::seconds(arguments.patience_s);
   return settings;
@@ -109,7 +117,8 @@ void RunUntilSignal(SelfPlay& self_play, const sigset_t& signals) {
   worker.Join();
 }
 
-void Run(const Arguments& arguments) {
+// The exit code.
+int Run(const Arguments& arguments) {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
@@ -119,7 +128,9 @@ void Run(const Arguments& arguments) {
   InitialiseEvaluators();
   SelfPlay self_play(SettingsOf(arguments), ConnectorOf(arguments), FactoryOf(arguments));
   RunUntilSignal(self_play, signals);
+  if (self_play.gave_up()) return kGaveUp;
   log::Info("done");
+  return 0;
 }
 
 }  // namespace
@@ -131,10 +142,9 @@ int main(int argc, char** argv) {
   powderkeg::AddOptions(app, arguments);
   CLI11_PARSE(app, argc, argv);
   try {
-    powderkeg::Run(arguments);
+    return powderkeg::Run(arguments);
   } catch (const powderkeg::Error& error) {
     powderkeg::log::Error("actor failed", "error", error.what());
     return 1;
   }
-  return 0;
 }

@@ -12,15 +12,16 @@
 namespace powderkeg {
 namespace {
 
+// A pair that exists is kept: peers know it.
+void MakePair(const std::filesystem::path& file) {
+  if (std::filesystem::exists(file.string() + ".secret")) return;
+  WriteKeyPair(MakeKeyPair(), file);
+  std::cout << "made " << file.string() << ".secret and .public\n";
+}
+
 void MakeKeys(const std::filesystem::path& folder, const std::vector<std::string>& actors) {
-  if (!std::filesystem::exists(folder / "learner.secret")) {
-    WriteKeyPair(MakeKeyPair(), folder / "learner");
-    std::cout << "made " << (folder / "learner.secret").string() << " and .public\n";
-  }
-  for (const std::string& name : actors) {
-    WriteKeyPair(MakeKeyPair(), folder / "actors" / name);
-    std::cout << "made " << (folder / "actors" / name).string() << ".secret and .public\n";
-  }
+  MakePair(folder / "learner");
+  for (const std::string& name : actors) MakePair(folder / "actors" / name);
 }
 
 }  // namespace
@@ -30,8 +31,8 @@ int main(int argc, char** argv) {
   std::string folder;
   std::vector<std::string> actors;
   CLI::App app(
-      "Makes the learner's key pair, unless it exists, and one for each actor. A machine "
-      "with actors needs learner.public and the actors' own files.");
+      "Makes a key pair for the learner and one for each actor, those that do not exist yet. A "
+      "machine with actors needs learner.public and the actors' own files.");
   app.add_option("folder", folder, "where the keys are")->required();
   app.add_option("actors", actors, "names of actors");
   CLI11_PARSE(app, argc, argv);

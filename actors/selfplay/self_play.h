@@ -48,6 +48,9 @@ class SelfPlay {
   // full.
   void Run(const std::stop_token& stop);
 
+  // Whether Run ended because the learner was away for too long.
+  [[nodiscard]] bool gave_up() const { return client_.gave_up(); }
+
  private:
   [[nodiscard]] std::shared_ptr<const Welcome> WaitUntilReady(const std::stop_token& stop) const;
   void Play(const std::stop_token& stop, const std::shared_ptr<const Welcome>& welcome);

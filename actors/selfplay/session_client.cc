@@ -91,6 +91,7 @@ void SessionClient::Changed() {
 
 void SessionClient::Run(const std::stop_token& stop) {
   milliseconds backoff = settings_.first_backoff;
+  Clock::time_point last_session = Clock::now();  // or when the search for one began
   const auto must_go = [&] {
     const auto last = deadline();
     return stop.stop_requested() && last && Clock::now() >= *last;
@@ -106,10 +107,25 @@ void SessionClient::Run(const std::stop_token& stop) {
     connection.channel = connect_();
     if (Serve(connection) == End::kOver) return;
     connection.channel.reset();
-    if (connection.welcomed) backoff = settings_.first_backoff;
+    if (connection.welcomed) {
+      backoff = settings_.first_backoff;
+      last_session = connection.last_heard;
+    }
+    if (IsTooLong(Clock::now() - last_session)) {
+      gave_up_ = true;
+      return;
+    }
     Pause(backoff);
     backoff = std::min(2 * backoff, settings_.last_backoff);
   } while (!must_go());
+}
+
+// Whether an actor that was for so long without a session gives up.
+bool SessionClient::IsTooLong(Clock::duration absence) const {
+  if (settings_.give_up <= milliseconds(0) || absence < settings_.give_up) return false;
+  log::Warn("giving up: there was no session with the learner", "for_s",
+            std::chrono::duration_cast<std::chrono::seconds>(absence).count());
+  return true;
 }
 
 // Waits for the back-off, less up to half of it; not long when leaving.
@@ -183,8 +199,11 @@ void SessionClient::CheckDownload(Connection& connection, Clock::time_point now)
 
 void SessionClient::CheckSilence(Connection& connection, Clock::time_point now) const {
   if (now - connection.last_heard < dead_after_) return;
-  log::Warn(connection.greeted ? "the learner is silent" : "cannot reach the learner, trying again",
-            "after_ms", dead_after_.count());
+  if (connection.greeted) {
+    log::Warn("the learner is silent, trying again", "after_ms", dead_after_.count());
+  } else {
+    log::Warn("cannot reach the learner, trying again", "reason", connection.channel->Trouble());
+  }
   connection.end = End::kRetry;
 }
 

@@ -34,10 +34,13 @@ struct SessionClientSettings {
   // Wait before connecting again: doubles from first to last, less up to half of it at random.
   std::chrono::milliseconds first_backoff{200};
   std::chrono::milliseconds last_backoff{10'000};
+  // Time without a session after which it ends; 0: it looks for the learner for ever.
+  std::chrono::milliseconds give_up{0};
 };
 
-// Owns the io thread and its connection, from construction to Leave. Reconnects for ever; after a
-// reconnect every game in the outbox is sent again. Public methods are thread-safe except Leave.
+// Owns the io thread and its connection, from construction to Leave. Reconnects until it gives up;
+// after a reconnect every game in the outbox is sent again. Public methods are thread-safe except
+// Leave.
 class SessionClient {
  public:
   // `outbox`, `tickets` must outlive it. `statistics` is called on the io thread.
@@ -62,9 +65,10 @@ class SessionClient {
   [[nodiscard]] std::uint64_t version() const;
   void WaitForChange(std::uint64_t version, std::chrono::milliseconds timeout) const;
 
-  // Whether the session is over: the run is complete, or the actor was refused for good (Leave
-  // rethrows that).
+  // Whether the session is over: the run is complete, the actor was refused for good (Leave
+  // rethrows that), or it gave up.
   [[nodiscard]] bool ended() const { return ended_; }
+  [[nodiscard]] bool gave_up() const { return gave_up_; }
 
   // Waits until the outbox is acknowledged, for `patience` at most, says Goodbye and joins.
   // Rethrows the Error that ended the session.
@@ -92,6 +96,7 @@ class SessionClient {
   };
 
   void Run(const std::stop_token& stop);
+  [[nodiscard]] bool IsTooLong(Clock::duration absence) const;
   void Pause(std::chrono::milliseconds backoff);
   [[nodiscard]] End Serve(Connection& connection);
   void Greet(Connection& connection);
@@ -134,6 +139,7 @@ class SessionClient {
   std::uint64_t version_ = 0;
   std::optional<Clock::time_point> deadline_;  // set when leaving
 
+  std::atomic<bool> gave_up_ = false;
   std::atomic<bool> ended_ = false;
   std::unique_ptr<Worker> io_;
 };

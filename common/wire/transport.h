@@ -24,6 +24,8 @@ class ClientChannel {
   // it.
   virtual std::optional<std::string> Receive(std::chrono::milliseconds timeout,
                                              const Waker& waker) = 0;
+  // What is known of why there is no connection: for the operator.
+  [[nodiscard]] virtual std::string Trouble() { return "no answer"; }
 };
 
 // Makes a fresh connection; does not wait until it stands. Throws Error if the address is no use.

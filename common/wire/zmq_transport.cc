@@ -1,6 +1,8 @@
 #include "common/wire/zmq_transport.h"
 
 #include <array>
+#include <cstdint>
+#include <cstring>
 #include <string_view>
 #include <thread>
 #include <utility>
@@ -26,6 +28,7 @@ constexpr int kHandshakeMs = 10'000;
 constexpr int kHeartbeatMs = 5000;
 constexpr int kHeartbeatTimeoutMs = 20'000;
 constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";
+constexpr const char* kMonitorEndpoint = "inproc://monitor";
 
 void SetCommonOptions(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::linger, kLingerMs);
@@ -205,8 +208,12 @@ class ZmqServer final : public ServerChannel {
 class ZmqClient final : public ClientChannel {
  public:
   ZmqClient(const std::string& endpoint, const std::optional<ClientKeys>& keys)
-      : context_(1), socket_(context_, zmq::socket_type::dealer) {
+      : endpoint_(endpoint),
+        context_(1),
+        socket_(context_, zmq::socket_type::dealer),
+        monitor_(context_, zmq::socket_type::pair) {
     SetCommonOptions(socket_);
+    Monitor();
     socket_.set(zmq::sockopt::immediate, true);
     socket_.set(zmq::sockopt::reconnect_ivl, 200);
     socket_.set(zmq::sockopt::reconnect_ivl_max, 5000);
@@ -223,6 +230,10 @@ class ZmqClient final : public ClientChannel {
                          "; expected tcp://HOST:PORT or ipc://PATH"));
     }
   }
+  // An event that nobody takes would hold up the io thread.
+  ~ZmqClient() override { zmq_socket_monitor(socket_.handle(), nullptr, 0); }
+  ZmqClient(const ZmqClient&) = delete;
+  ZmqClient& operator=(const ZmqClient&) = delete;
 
   bool Send(const std::string& bytes) override { return SendFrame(socket_, bytes); }
 
@@ -233,9 +244,43 @@ class ZmqClient final : public ClientChannel {
     return frames->front().to_string();
   }
 
+  [[nodiscard]] std::string Trouble() override {
+    while (auto frames = ReceiveFrames(monitor_)) {
+      // The first frame of an event begins with its number.
+      std::uint16_t event = 0;
+      if (frames->front().size() < sizeof event) continue;
+      std::memcpy(&event, frames->front().data(), sizeof event);
+      trouble_ = Meaning(event);
+    }
+    return StrCat(endpoint_, ": ", trouble_);
+  }
+
  private:
+  static constexpr int kHandshakeFailed = ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
+                                          ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                                          ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
+
+  void Monitor() {
+    if (zmq_socket_monitor(socket_.handle(), kMonitorEndpoint, kHandshakeFailed) != 0) {
+      throw Error(StrCat("cannot watch a connection: ", zmq_strerror(zmq_errno())));
+    }
+    monitor_.connect(kMonitorEndpoint);
+  }
+
+  // A learner that does not know a key says so; one that cannot read us hangs up.
+  static std::string_view Meaning(int event) {
+    return event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH
+               ? "the learner does not know this actor's key; expected it in its keys/actors"
+               : "it hung up; expected the learner that learner.public belongs to, and keys on "
+                 "both "
+                 "sides or on none";
+  }
+
+  const std::string endpoint_;
+  std::string_view trouble_ = "no answer";
   zmq::context_t context_;
   zmq::socket_t socket_;
+  zmq::socket_t monitor_;  // tells of handshakes that fail
 };
 
 }  // namespace

@@ -124,7 +124,8 @@ class TestLearner {
 class TestActor {
  public:
   explicit TestActor(Connect connect, const std::string& name = "actor",
-                     const std::filesystem::path& spool = {}, const std::string& run_id = "")
+                     const std::filesystem::path& spool = {}, const std::string& run_id = "",
+                     std::chrono::milliseconds give_up = {})
       : outbox(spool.empty() ? own_spool_.path() : spool, std::size_t{1} << 20) {
     static std::atomic<std::uint64_t> incarnations = 0;
     SessionClientSettings settings;
@@ -135,6 +136,7 @@ class TestActor {
     settings.dead_after = std::chrono::milliseconds(400);
     settings.first_backoff = std::chrono::milliseconds(5);
     settings.last_backoff = std::chrono::milliseconds(50);
+    settings.give_up = give_up;
     client = std::make_unique<SessionClient>(settings, std::move(connect), outbox, tickets,
                                              [] { return Heartbeat{.evaluations = 42}; });
   }

@@ -415,6 +415,25 @@ TEST(SessionTest, LeavingWithoutALearnerEndsInTime) {
   EXPECT_EQ(actor.outbox.size(), 1u);
 }
 
+TEST(SessionTest, AnActorGivesUpWhereItIsToldTo) {
+  InProcessNetwork network;
+  TemporarySpool spool;
+  const milliseconds give_up(1000);
+  auto learner = std::make_unique<TestLearner>(network.Listen());
+  TestActor actor([&] { return network.Connect(); }, "a", spool.path(), "", give_up);
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  std::this_thread::sleep_for(give_up);  // a session that lasts is no absence
+  EXPECT_FALSE(actor.client->ended());
+  const auto start = std::chrono::steady_clock::now();
+  learner.reset();
+  actor.PlayOne();
+  EXPECT_TRUE(Eventually([&] { return actor.client->ended(); }));
+  EXPECT_GE(std::chrono::steady_clock::now() - start, give_up);
+  EXPECT_TRUE(actor.client->gave_up());
+  EXPECT_NO_THROW(actor.client->Leave(std::chrono::seconds(60)));
+  EXPECT_EQ(actor.outbox.size(), 1u);  // for the next start
+}
+
 TEST(SessionTest, AWrongRunIsRefusedForGood) {
   InProcessNetwork network;
   TestLearner learner(network.Listen());

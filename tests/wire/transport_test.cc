@@ -1,7 +1,9 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -127,6 +129,29 @@ TEST_F(ZmqTest, KeysKeepOutEverybodyElse) {
     const std::unique_ptr<ClientChannel> client(channel);
     EXPECT_FALSE(Reaches(*client, *server, "hello", milliseconds(200)));
   }
+}
+
+TEST_F(ZmqTest, WhoIsKeptOutIsToldWhy) {
+  WriteKeyPair(MakeKeyPair(), keys_ / "learner");
+  const auto server = ListenZmq({.endpoint = "tcp://127.0.0.1:0", .keys = keys_});
+  const auto open = ListenZmq({.endpoint = "tcp://127.0.0.1:0"});
+  const ClientKeys stranger{.learner_public = ReadKey(keys_ / "learner.public"),
+                            .own = MakeKeyPair()};
+  const ClientKeys fooled{.learner_public = MakeKeyPair().public_key, .own = MakeKeyPair()};
+  const auto trouble = [&](const std::string& endpoint, const std::optional<ClientKeys>& keys) {
+    const auto client = ConnectZmq(endpoint, keys);
+    const auto deadline = Clock::now() + milliseconds(5000);
+    const std::string unknown = endpoint + ": no answer";
+    while (client->Trouble() == unknown && Clock::now() < deadline) waker_.Wait(milliseconds(5));
+    return client->Trouble();
+  };
+  using testing::HasSubstr;
+  EXPECT_THAT(trouble(server->endpoint(), stranger), HasSubstr("does not know this actor's key"));
+  EXPECT_THAT(trouble(server->endpoint(), fooled), HasSubstr("it hung up"));
+  EXPECT_THAT(trouble(server->endpoint(), std::nullopt), HasSubstr("it hung up"));
+  EXPECT_THAT(trouble(open->endpoint(), stranger), HasSubstr("it hung up"));
+  EXPECT_EQ(ConnectZmq("tcp://127.0.0.1:1", std::nullopt)->Trouble(),
+            "tcp://127.0.0.1:1: no answer");
 }
 
 TEST_F(ZmqTest, AnActorCanBeAddedWhileTheLearnerRuns) {
