@@ -297,7 +297,7 @@ class Learner {
     SessionServerSettings settings;
     settings.run_id = RunIdOf(options.run_dir);
     settings.self_play = config_.self_play;
-    settings.wants_games = [this] { return !loop_.Full(); };
+    settings.games_wanted = [this] { return loop_.GamesWanted(); };
     server_ = std::make_unique<SessionServer>(
         settings, ListenZmq({options.listen, keys, options.insecure}),
         [this](std::vector<GameRecord> games) { Append(std::move(games)); }, known);

@@ -1,6 +1,7 @@
 #include "learner/intake/session_server.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <variant>
 
@@ -381,9 +382,20 @@ void SessionServer::TopUp(const PeerId& peer, Ack& ack) {
   const std::size_t target = TicketTarget(session.hello.loops, settings_.self_play.games_in_flight);
   const std::size_t held = office_.held(session.id);
   if (held >= target || session.overdue || stopping_) return;
-  using Source = TicketOffice::Source;
-  const Source source = settings_.wants_games() ? Source::kOpenThenNew : Source::kOpenOnly;
-  ack.tickets = office_.Grant(session.id, target - held, source);
+  const std::size_t share = std::max(held, ShareOf(session));
+  ack.tickets = office_.Grant(session.id, target - held, share - held);
+}
+
+// The games that a session may have in play of all that are wanted, rounded up: where actors could
+// play more than that, all of them play fewer games at once.
+std::size_t SessionServer::ShareOf(const Session& session) const {
+  const std::uint64_t wanted = settings_.games_wanted();
+  if (wanted == SessionServerSettings::kAllGames) return kMostTickets;
+  std::uint64_t loops = 0;
+  for (const auto& [peer, other] : sessions_) loops += other.hello.loops;
+  const double share =
+      static_cast<double>(wanted) * session.hello.loops / static_cast<double>(loops);
+  return static_cast<std::size_t>(std::min<double>(std::ceil(share), kMostTickets));
 }
 
 // In as many messages as it takes.
@@ -432,7 +444,7 @@ void SessionServer::Tick(Clock::time_point now) {
 void SessionServer::TakeBackOverdue(Clock::time_point now) {
   if (now - last_overdue_ < settings_.overdue_after) return;
   last_overdue_ = now;
-  if (settings_.wants_games()) return;
+  if (settings_.games_wanted() > 0) return;
   for (const auto& [id, tickets] : office_.TakeBackOverdue()) {
     Session& session = sessions_.at(peers_.at(id));
     session.overdue = true;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -46,9 +47,10 @@ struct SessionServerSettings {
   // While no new games are wanted, tickets held for so long (at most twice) are granted to others
   // too: an actor that hangs must not hold up the run.
   std::chrono::milliseconds overdue_after{600'000};
-  // Whether new games are wanted; while not, only tickets of lost games are handed out. Asked often
-  // and on the io thread.
-  std::function<bool()> wants_games = [] { return true; };
+  // How many games may be in play, besides the durable ones. Actors share them by their loops; at 0
+  // only tickets of lost games are handed out. Asked often and on the io thread.
+  std::function<std::uint64_t()> games_wanted = [] { return kAllGames; };
+  static constexpr std::uint64_t kAllGames = std::numeric_limits<std::uint64_t>::max();
 };
 
 struct ActorStatistics {
@@ -153,6 +155,7 @@ class SessionServer {
   void Settle(const Verdict& verdict, std::map<PeerId, Ack>& acks);
   void SendAck(const PeerId& peer, const Ack& ack);
   void TopUp(const PeerId& peer, Ack& ack);
+  [[nodiscard]] std::size_t ShareOf(const Session& session) const;
   // New games may be wanted again, or a lost game's ticket open.
   void TopUpEverybody();
   void OfferNewWeights();

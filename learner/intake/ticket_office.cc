@@ -24,14 +24,14 @@ TicketOffice::TicketOffice(std::span<const std::uint64_t> known, std::uint64_t f
 }
 
 std::vector<std::uint64_t> TicketOffice::Grant(SessionId session, std::size_t count,
-                                               Source source) {
+                                               std::size_t count_with_new) {
   std::vector<std::uint64_t> tickets;
   tickets.reserve(count);
   while (tickets.size() < count && !open_.empty()) {
     tickets.push_back(*open_.begin());
     open_.erase(open_.begin());
   }
-  while (source == Source::kOpenThenNew && tickets.size() < count) tickets.push_back(issued_++);
+  while (tickets.size() < std::min(count, count_with_new)) tickets.push_back(issued_++);
   for (const std::uint64_t ticket : tickets) Hold(session, ticket);
   return tickets;
 }

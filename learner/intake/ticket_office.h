@@ -24,10 +24,10 @@ class TicketOffice {
   // Throws Error if more than kMaxMissing lie between those: no run has so many games in play.
   explicit TicketOffice(std::span<const std::uint64_t> known, std::uint64_t first_open = 0);
 
-  enum class Source : std::uint8_t { kOpenThenNew, kOpenOnly };
-  // At most `count` tickets for a session, ascending: open ones first, then new ones.
+  // At most `count` tickets for a session, ascending: open ones first, then new ones, but of these
+  // only as many as make `count_with_new` in all.
   [[nodiscard]] std::vector<std::uint64_t> Grant(SessionId session, std::size_t count,
-                                                 Source source = Source::kOpenThenNew);
+                                                 std::size_t count_with_new);
 
   // A session returns with tickets it was granted earlier, perhaps before a restart of the
   // learner. It gets those that are open. Numbers beyond the issued ones count as issued with all

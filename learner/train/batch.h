@@ -24,7 +24,7 @@ struct TrainingBatch {
 // How targets are made; weights from 0 to 1.
 struct TargetSettings {
   double argmax_weight = 0;        // of onehot(argmax pi) in the policy's target
-  OutcomeValues outcome_values;    // z
+  OutcomeValues outcome_values{};  // z
   double search_value_weight = 0;  // of the search's root value in the value's target, beside z
 };
 

@@ -21,9 +21,6 @@ constexpr auto kTrainLogInterval = std::chrono::seconds(60);
 // Purposes of the generators split from the run's seed: iteration k uses k.
 constexpr std::uint64_t kInitialWeights = 0;
 
-// Data sets held back for training while the loop trains, before Full.
-constexpr std::uint64_t kDataSetsAhead = 2;
-
 Schedule MakeSchedule(const TrainingConfig& training, std::vector<TicketRange> data_sets) {
   return {training.iterations, static_cast<std::uint64_t>(training.decisions_per_iteration),
           training.window_datasets, std::move(data_sets)};
@@ -138,10 +135,9 @@ void LearnerLoop::Add(GameRecord&& game) {
   games_added_.notify_all();
 }
 
-bool LearnerLoop::Full() const {
+std::uint64_t LearnerLoop::GamesWanted() const {
   const std::lock_guard lock(mutex_);
-  return schedule_.finished() ||
-         schedule_.progress().decisions >= kDataSetsAhead * schedule_.decisions_per_iteration();
+  return schedule_.GamesWanted();
 }
 
 LearnerLoop::Progress LearnerLoop::progress() const {
@@ -167,7 +163,8 @@ void LearnerLoop::RestoreWindow() {
   for (const TicketRange& range : schedule_.WindowOfNext()) {
     std::vector<GameRecord> games;
     {
-      const std::lock_guard lock(mutex_);  // not while they are re-played: the intake asks Full
+      const std::lock_guard lock(
+          mutex_);  // not while they are re-played: the intake asks GamesWanted
       games = TakeGames(range);
     }
     DataSet data_set;

@@ -58,11 +58,11 @@ struct LearnerLoopHooks {
 //       [&](GameRecord&& game) { loop.Add(std::move(game)); });
 //   intake.on_durable = [&](GameRecord&& game) { loop.Add(std::move(game)); };
 //   Worker trainer("trainer", [&](const std::stop_token& stop) { loop.Run(stop); });
-// and hand out tickets only while !loop.Full().
+// and let no more games be in play than loop.GamesWanted().
 //
 // A kill at any moment repeats at most the iteration in progress, on the same games: its data set
-// follows from the checkpoint and the store. Add, Full and progress are thread-safe; Run is for one
-// thread.
+// follows from the checkpoint and the store. Add, GamesWanted and progress are thread-safe; Run is
+// for one thread.
 class LearnerLoop {
  public:
   // Throws Error if the run cannot be resumed or the settings are invalid.
@@ -78,9 +78,10 @@ class LearnerLoop {
   // wait, not even while training.
   void Add(GameRecord&& game);
 
-  // Whether the games at hand suffice for the next two data sets, or no iteration is left: more
-  // would only age. Tickets of games that were lost must be handed out again even so.
-  [[nodiscard]] bool Full() const;
+  // How many games, besides those added, are worth playing now (Schedule::GamesWanted): more would
+  // be of old weights when their turn comes. Tickets of games that were lost must be handed out
+  // again even if it is 0.
+  [[nodiscard]] std::uint64_t GamesWanted() const;
 
   // Runs until every iteration is done or a stop is requested (an iteration in training is then
   // given up, to be repeated after the restart). Throws Error. Call it once, after the stored games

@@ -7,6 +7,14 @@
 #include "common/base/check.h"
 
 namespace powderkeg {
+namespace {
+
+// Data sets that are played ahead of the training.
+constexpr int kDataSetsAhead = 2;
+// Of a game before the first one was added.
+constexpr std::uint64_t kUsualDecisions = 200;
+
+}  // namespace
 
 double LearningRateOf(const TrainingConfig& training, int iteration) {
   if (training.final_learning_rate == 0 || training.iterations < 2) return training.learning_rate;
@@ -32,6 +40,8 @@ Schedule::Schedule(int iterations, std::uint64_t decisions_per_iteration, int wi
 
 Schedule::Use Schedule::Add(std::uint64_t ticket, std::uint32_t decisions) {
   const Use use = UseOf(ticket);
+  ++games_added_;
+  decisions_added_ += decisions;
   if (use != Use::kNextDataSets) return use;
   return prefix_.Add(ticket, decisions) ? use : Use::kNone;
 }
@@ -41,6 +51,16 @@ Schedule::Use Schedule::UseOf(std::uint64_t ticket) const {
   const bool in_window = std::ranges::any_of(
       WindowOfNext(), [&](const TicketRange& range) { return range.Has(ticket); });
   return in_window ? Use::kWindow : Use::kNone;
+}
+
+std::uint64_t Schedule::GamesWanted() const {
+  const int data_sets = std::min(kDataSetsAhead, iterations_ - iteration());
+  const std::uint64_t wanted = static_cast<std::uint64_t>(data_sets) * decisions_;
+  const std::uint64_t there = prefix_.progress().decisions;
+  if (there >= wanted) return 0;
+  const std::uint64_t mean =
+      decisions_added_ == 0 ? kUsualDecisions : (decisions_added_ - 1) / games_added_ + 1;
+  return (wanted - there - 1) / mean + 1;
 }
 
 std::optional<TicketRange> Schedule::StartIteration() {

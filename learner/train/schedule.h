@@ -44,6 +44,10 @@ class Schedule {
   // What Add would do with a game that is not known yet.
   [[nodiscard]] Use UseOf(std::uint64_t ticket) const;
 
+  // How many games more, besides those added, the next two data sets need (as far as there are
+  // iterations left), by the mean length of the games so far.
+  [[nodiscard]] std::uint64_t GamesWanted() const;
+
   // Starts the next iteration if its games are all there; the range is then its data set.
   [[nodiscard]] std::optional<TicketRange> StartIteration();
 
@@ -65,6 +69,8 @@ class Schedule {
   std::size_t window_data_sets_;
   std::vector<TicketRange> data_sets_;
   TicketPrefix prefix_;
+  std::uint64_t games_added_ = 0;
+  std::uint64_t decisions_added_ = 0;
 };
 
 }  // namespace powderkeg

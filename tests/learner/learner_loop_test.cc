@@ -136,16 +136,16 @@ TEST(LearnerLoop, WaitsForAStragglerAndStopsWhenAsked) {
   for (GameRecord& game : PlayGames(1, kGames)) loop.Add(std::move(game));
   EXPECT_EQ(loop.progress().games.straggler, 0u);
   EXPECT_EQ(loop.progress().games.decisions_in_prefix, 0u);
-  EXPECT_TRUE(loop.Full());
+  EXPECT_EQ(loop.GamesWanted(), 0u);
   Worker trainer("trainer", [&](const std::stop_token& stop) { loop.Run(stop); });
   loop.Add(PlayGame(0));
   while (loop.progress().iteration < 2) std::this_thread::yield();
   trainer.Join();
-  EXPECT_TRUE(loop.Full()) << "no iteration is left";
+  EXPECT_EQ(loop.GamesWanted(), 0u) << "no iteration is left";
 
   const TemporaryFolder idle_folder;
   LearnerLoop idle(SettingsFor(idle_folder.path(), 1), {});
-  EXPECT_FALSE(idle.Full());
+  EXPECT_GT(idle.GamesWanted(), 0u);
   Worker waiting("waiting", [&](const std::stop_token& stop) { idle.Run(stop); });
   waiting.RequestStop();
   waiting.Join();

@@ -49,6 +49,31 @@ TEST(Schedule, GoesOnAfterARestart) {
   EXPECT_TRUE(schedule.finished());
 }
 
+TEST(Schedule, WantsGamesForTwoDataSetsByTheirMeanLength) {
+  Schedule schedule(/*iterations=*/4, /*decisions_per_iteration=*/1000, /*window_data_sets=*/2);
+  EXPECT_EQ(schedule.GamesWanted(), 10u) << "of a usual length";
+  schedule.Add(0, 100);
+  EXPECT_EQ(schedule.GamesWanted(), 19u);
+  schedule.Add(2, 300);
+  EXPECT_EQ(schedule.GamesWanted(), 8u) << "games behind a gap count too";
+  for (std::uint64_t ticket : {1, 3, 4, 5}) schedule.Add(ticket, 400);
+  EXPECT_EQ(schedule.GamesWanted(), 0u);
+  ASSERT_TRUE(schedule.StartIteration());
+  EXPECT_GT(schedule.GamesWanted(), 0u);
+}
+
+TEST(Schedule, WantsNoGamesThatNoIterationWouldUse) {
+  Schedule schedule(/*iterations=*/2, /*decisions_per_iteration=*/100, /*window_data_sets=*/1);
+  schedule.Add(0, 100);
+  EXPECT_EQ(schedule.GamesWanted(), 1u);
+  ASSERT_TRUE(schedule.StartIteration());
+  EXPECT_EQ(schedule.GamesWanted(), 1u) << "one iteration is left";
+  schedule.Add(1, 100);
+  EXPECT_EQ(schedule.GamesWanted(), 0u);
+  ASSERT_TRUE(schedule.StartIteration());
+  EXPECT_EQ(schedule.GamesWanted(), 0u);
+}
+
 TEST(Schedule, TheLearningRateFallsByEqualFactors) {
   TrainingConfig training;
   training.iterations = 3;

@@ -272,13 +272,33 @@ TEST(SessionTest, ActorsPauseWhileNoGamesAreWanted) {
   std::atomic<bool> wanted = false;
   InProcessNetwork network;
   SessionServerSettings settings = QuickSettings();
-  settings.wants_games = [&wanted] { return wanted.load(); };
+  settings.games_wanted = [&wanted] { return wanted ? SessionServerSettings::kAllGames : 0; };
   TestLearner learner(network.Listen(), settings);
   TestActor actor([&] { return network.Connect(); });
   ASSERT_TRUE(Eventually([&] { return actor.client->welcome() != nullptr; }));
   EXPECT_EQ(actor.tickets.waiting(), 0u);
   wanted = true;
   EXPECT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+}
+
+// Else the games of many actors would fill data set after data set, all played with old weights.
+TEST(SessionTest, ActorsShareTheGamesThatAreWanted) {
+  std::atomic<std::uint64_t> wanted = 5;
+  InProcessNetwork network;
+  SessionServerSettings settings = QuickSettings();
+  settings.games_wanted = [&wanted] { return wanted.load(); };
+  TestLearner learner(network.Listen(), settings);
+  TestActor one([&] { return network.Connect(); }, "one");
+  ASSERT_TRUE(Eventually([&] { return one.tickets.waiting() == 5; }));
+  TestActor other([&] { return network.Connect(); }, "other");
+  EXPECT_TRUE(Eventually([&] { return other.tickets.waiting() == 3; })) << "half, rounded up";
+  --wanted;
+  one.PlayOne();
+  ASSERT_TRUE(Eventually([&] { return learner.server->statistics().games == 1; }));
+  EXPECT_EQ(one.tickets.waiting(), 4u) << "it has more than its share already";
+  wanted = 12;
+  EXPECT_TRUE(Eventually([&] { return one.tickets.waiting() == 6; }));
+  EXPECT_TRUE(Eventually([&] { return other.tickets.waiting() == 6; }));
 }
 
 TEST(SessionTest, AServerThatIsFullReadsOn) {
@@ -634,7 +654,7 @@ TEST(SessionTest, GamesOfAnActorThatHangsAreGrantedToAnother) {
   InProcessNetwork network;
   SessionServerSettings settings = QuickSettings();
   settings.overdue_after = milliseconds(30);
-  settings.wants_games = [&wanted] { return wanted.load(); };
+  settings.games_wanted = [&wanted] { return wanted ? SessionServerSettings::kAllGames : 0; };
   TestLearner learner(network.Listen(), settings);
   TestActor hanging([&] { return network.Connect(); }, "hanging");
   ASSERT_TRUE(Eventually([&] { return hanging.tickets.waiting() > 0; }));

@@ -29,8 +29,8 @@ TEST(TicketSetTest, IsAPrefixAndWhatLiesBeyond) {
 
 TEST(TicketOfficeTest, GrantsInOrder) {
   TicketOffice office({});
-  EXPECT_EQ(office.Grant(1, 3), (Tickets{0, 1, 2}));
-  EXPECT_EQ(office.Grant(2, 2), (Tickets{3, 4}));
+  EXPECT_EQ(office.Grant(1, 3, 3), (Tickets{0, 1, 2}));
+  EXPECT_EQ(office.Grant(2, 2, 2), (Tickets{3, 4}));
   EXPECT_EQ(office.held(1), 3u);
   EXPECT_EQ(office.StandingOf(4), Standing::kAwaited);
   EXPECT_EQ(office.StandingOf(5), Standing::kNeverIssued);
@@ -38,54 +38,54 @@ TEST(TicketOfficeTest, GrantsInOrder) {
 
 TEST(TicketOfficeTest, ReissuesLowestFirst) {
   TicketOffice office({});
-  (void)office.Grant(1, 4);
-  (void)office.Grant(2, 1);
+  (void)office.Grant(1, 4, 4);
+  (void)office.Grant(2, 1, 1);
   office.Complete(2);
   office.Release(1);
   EXPECT_EQ(office.held(1), 0u);
-  EXPECT_EQ(office.Grant(3, 5), (Tickets{0, 1, 3, 5, 6}));
+  EXPECT_EQ(office.Grant(3, 5, 5), (Tickets{0, 1, 3, 5, 6}));
 }
 
 TEST(TicketOfficeTest, LostTicketsAreGrantedEvenWhereNewOnesAreNot) {
-  using Source = TicketOffice::Source;
   TicketOffice office(Tickets{});
-  (void)office.Grant(1, 3);
-  EXPECT_TRUE(office.Grant(2, 2, Source::kOpenOnly).empty());
+  (void)office.Grant(1, 3, 3);
+  EXPECT_TRUE(office.Grant(2, 2, 0).empty());
   office.Release(1);
-  EXPECT_EQ(office.Grant(2, 2, Source::kOpenOnly), (Tickets{0, 1}));
-  EXPECT_EQ(office.issued(), 3u);
+  EXPECT_EQ(office.Grant(2, 2, 0), (Tickets{0, 1}));
+  EXPECT_EQ(office.Grant(3, 4, 2), (Tickets{2, 3})) << "one lost, one new";
+  EXPECT_EQ(office.issued(), 4u);
 }
 
 TEST(TicketOfficeTest, TheFirstDurableGameWins) {
   TicketOffice office({});
-  (void)office.Grant(1, 2);
+  (void)office.Grant(1, 2, 2);
   office.Release(1);
-  (void)office.Grant(2, 2);
+  (void)office.Grant(2, 2, 2);
   office.Complete(0);  // sent by the one that was thought dead
   EXPECT_EQ(office.StandingOf(0), Standing::kDurable);
   EXPECT_EQ(office.held(2), 1u);
   office.Complete(0);
   office.Release(2);
-  EXPECT_EQ(office.Grant(3, 1), (Tickets{1}));
+  EXPECT_EQ(office.Grant(3, 1, 1), (Tickets{1}));
 }
 
 TEST(TicketOfficeTest, OnlyTheHolderGivesARejectedTicketBack) {
   TicketOffice office({});
-  (void)office.Grant(1, 1);
+  (void)office.Grant(1, 1, 1);
   office.Reject(2, 0);
   EXPECT_EQ(office.held(1), 1u);
   office.Reject(1, 0);
   EXPECT_EQ(office.held(1), 0u);
-  EXPECT_EQ(office.Grant(2, 1), (Tickets{0}));
+  EXPECT_EQ(office.Grant(2, 1, 1), (Tickets{0}));
 }
 
 TEST(TicketOfficeTest, RestartsFromWhatIsKnown) {
   const Tickets known = {1, 2, 5};
   TicketOffice office(known);
-  EXPECT_EQ(office.Grant(1, 5), (Tickets{0, 3, 4, 6, 7}));
+  EXPECT_EQ(office.Grant(1, 5, 5), (Tickets{0, 3, 4, 6, 7}));
   EXPECT_EQ(office.StandingOf(5), Standing::kDurable);
   TicketOffice later(known, 10);
-  EXPECT_EQ(later.Grant(1, 1), (Tickets{10}));
+  EXPECT_EQ(later.Grant(1, 1, 1), (Tickets{10}));
 }
 
 TEST(TicketOfficeTest, AnAbsurdTicketInTheStoreIsAnError) {
@@ -101,7 +101,7 @@ TEST(TicketOfficeTest, AReturningActorKeepsItsTickets) {
   EXPECT_EQ(office.issued(), 8u);
   office.Claim(2, Tickets{4});
   EXPECT_EQ(office.held(2), 0u);
-  EXPECT_EQ(office.Grant(2, 4), (Tickets{2, 3, 5, 6}));
+  EXPECT_EQ(office.Grant(2, 4, 4), (Tickets{2, 3, 5, 6}));
 }
 
 TEST(TicketOfficeTest, AbsurdClaimsAreIgnored) {
@@ -121,7 +121,7 @@ TEST(TicketOfficeTest, HoldsUnderRandomEvents) {
     std::set<std::uint64_t>& mine = held[session];
     switch (rng.Below(4)) {
       case 0:
-        for (const std::uint64_t ticket : office.Grant(session, rng.Below(4))) {
+        for (const std::uint64_t ticket : office.Grant(session, rng.Below(4), rng.Below(4))) {
           for (const auto& [other, tickets] : held) ASSERT_FALSE(tickets.contains(ticket));
           mine.insert(ticket);
         }
@@ -145,7 +145,7 @@ TEST(TicketOfficeTest, HoldsUnderRandomEvents) {
   }
   for (SessionId session = 0; session < 4; ++session) office.Release(session);
   while (office.first_open() < office.issued()) {
-    for (const std::uint64_t ticket : office.Grant(9, 1)) office.Complete(ticket);
+    for (const std::uint64_t ticket : office.Grant(9, 1, 1)) office.Complete(ticket);
   }
 }
 
@@ -161,12 +161,12 @@ TEST(TicketOfficeTest, ClaimsDoNotAddUp) {
 TEST(TicketOfficeTest, OverdueTicketsGoToOthersAndTheFirstGameCounts) {
   using Overdue = std::map<SessionId, std::size_t>;
   TicketOffice office({});
-  (void)office.Grant(1, 2);
+  (void)office.Grant(1, 2, 2);
   EXPECT_EQ(office.TakeBackOverdue(), Overdue{}) << "they were just granted";
-  (void)office.Grant(2, 1);
+  (void)office.Grant(2, 1, 1);
   EXPECT_EQ(office.TakeBackOverdue(), (Overdue{{1, 2}}));
   EXPECT_EQ(office.held(1), 0u);
-  EXPECT_EQ(office.Grant(3, 2), (Tickets{0, 1}));
+  EXPECT_EQ(office.Grant(3, 2, 2), (Tickets{0, 1}));
   office.Complete(0);  // sent by 1 after all
   EXPECT_EQ(office.held(3), 1u);
   EXPECT_EQ(office.TakeBackOverdue(), (Overdue{{2, 1}}));
