@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <mutex>
 #include <numeric>
 #include <optional>
 #include <vector>
@@ -22,6 +23,21 @@ using onednn::Program;
 
 // Positions per program run: the activations of more would leave the cache.
 constexpr std::size_t kSlice = 8;
+
+// oneDNN 2.6 sets itself up when the first primitives are made, and where several threads do that
+// at once it finds, in some starts of thousands, that it has no reorder.
+std::mutex making_primitives;
+
+// What make() makes of oneDNN's parts, by one thread at a time. Throws Error.
+template <typename Make>
+auto MakeAlone(const Make& make) {
+  const std::lock_guard lock(making_primitives);
+  try {
+    return make();
+  } catch (const dnnl::error& error) {
+    throw Error(StrCat("oneDNN: ", error.what()));
+  }
+}
 
 // oneDNN takes the number of OpenMP threads of the calling thread when a primitive is made and when
 // it runs.
@@ -157,10 +173,11 @@ class OnednnEvaluator final : public Evaluator {
     const auto positions = static_cast<int>(count);
     const bool bf16 = precision_ != Precision::kFp32 && HasBf16();
     const auto type = bf16 ? dnnl::memory::data_type::bf16 : dnnl::memory::data_type::f32;
-    if (!program && quantized_.has_value()) {
-      program = std::make_unique<Program>(*quantized_, positions, type, engine_);
-    } else if (!program) {
-      program = std::make_unique<Program>(network_, positions, type, engine_);
+    if (!program) {
+      program = MakeAlone([&] {
+        return quantized_ ? std::make_unique<Program>(*quantized_, positions, type, engine_)
+                          : std::make_unique<Program>(network_, positions, type, engine_);
+      });
     }
     return *program;
   }
@@ -187,7 +204,7 @@ std::unique_ptr<Evaluator> MakeOnednnEvaluator(const Snapshot& snapshot, Precisi
   Validate(*snapshot);
   if (precision == Precision::kInt8 && !HasInt8()) precision = Precision::kBf16;
   if (precision == Precision::kBf16 && !HasBf16()) precision = Precision::kFp32;
-  return std::make_unique<OnednnEvaluator>(Fold(*snapshot), precision);
+  return MakeAlone([&] { return std::make_unique<OnednnEvaluator>(Fold(*snapshot), precision); });
 }
 
 }  // namespace powderkeg

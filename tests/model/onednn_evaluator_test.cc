@@ -108,6 +108,30 @@ TEST(OnednnEvaluator, TwoThreadsWorkIndependently) {
   EXPECT_EQ(wrong, (std::array<int, 2>{0, 0}));
 }
 
+// As the loops of an actor do when new weights have come.
+TEST(OnednnEvaluator, ThreadsMakeTheirsAtTheSameTime) {
+  const Snapshot snapshot = RandomWeights(SmallNetwork(), 1);
+  const std::vector<State> states = PlayedStates(8, 2);
+  const std::vector<Position> positions = PositionsOf(states);
+  const auto answers = [&] {
+    std::vector<Evaluation> all;
+    const auto evaluator = MakeOnednnEvaluator(snapshot, Precision::kBf16);
+    for (std::size_t count = 1; count <= positions.size(); ++count) {
+      for (const Evaluation& evaluation : EvaluateAll(
+               *evaluator, {positions.begin(), positions.begin() + static_cast<long>(count)})) {
+        all.push_back(evaluation);
+      }
+    }
+    return all;
+  };
+  std::array<std::vector<Evaluation>, 4> found;
+  {
+    std::vector<std::jthread> threads;
+    for (auto& mine : found) threads.emplace_back([&] { mine = answers(); });
+  }
+  for (const auto& mine : found) EXPECT_EQ(mine, answers());
+}
+
 TEST(OnednnEvaluator, RefusesWhatItCannotDo) {
   const Snapshot good = RandomWeights(SmallNetwork(), 1);
   EXPECT_THROW((void)MakeOnednnEvaluator(good, Precision::kFp16), Error);
