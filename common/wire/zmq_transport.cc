@@ -272,8 +272,7 @@ class ZmqClient final : public ClientChannel {
     return event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH
                ? "the learner does not know this actor's key; expected it in its keys/actors"
                : "it hung up; expected the learner that learner.public belongs to, and keys on "
-                 "both "
-                 "sides or on none";
+                 "both sides or on none";
   }
 
   const std::string endpoint_;

@@ -163,8 +163,8 @@ void LearnerLoop::RestoreWindow() {
   for (const TicketRange& range : schedule_.WindowOfNext()) {
     std::vector<GameRecord> games;
     {
-      const std::lock_guard lock(
-          mutex_);  // not while they are re-played: the intake asks GamesWanted
+      // Not while they are re-played: the intake asks GamesWanted.
+      const std::lock_guard lock(mutex_);
       games = TakeGames(range);
     }
     DataSet data_set;
