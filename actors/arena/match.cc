@@ -148,7 +148,7 @@ class MatchThread final : public GameHost {
     const int seats = SeatCount(settings_.game);
     for (int role = 0; role < seats; ++role) {
       const AgentId seat = SeatOf(role, *number, seats);
-      if (plan.setup.seats[seat].searches) plan.players[seat] = PlayerOf(slot, role);
+      if (plan.setup.seats[seat].searches) plan.agents[seat] = AgentOf(slot, role);
     }
     return plan;
   }

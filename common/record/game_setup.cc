@@ -5,7 +5,6 @@
 
 #include "common/base/check.h"
 #include "common/base/rng.h"
-#include "common/policies/policy.h"
 #include "common/pommerman/game_settings.h"
 
 namespace powderkeg {
@@ -20,16 +19,6 @@ GameSettings SettingsOf(const SelfPlayConfig& config) {
   return *settings;
 }
 
-PolicyKind PolicyNamed(std::string_view name) {
-  const std::optional<PolicyKind> kind = PolicyKindFor(name);
-  if (!kind) {
-    throw Error(StrCat("opponent \"", name,
-                       "\" is unknown; expected idle, random, harmless, "
-                       "simple_unbiased or official_simple"));
-  }
-  return *kind;
-}
-
 StartSettings StartOf(const SelfPlayConfig& config) {
   return {
       .generator = config.board_generator == "uniform" ? BoardGenerator::kUniform
@@ -39,18 +28,47 @@ StartSettings StartOf(const SelfPlayConfig& config) {
 
 }  // namespace
 
-GameSetup SetupFor(const SelfPlayConfig& config, std::uint64_t ticket) {
-  constexpr std::size_t kDuelists = 2;  // one-against-one is played by agents 0 and 1
-  GameSetup setup{.settings = SettingsOf(config), .start = StartOf(config), .seats = {}, .seed = 0};
-  Rng rng = Rng(config.seed).Split(ticket);
-  const std::size_t players = setup.settings.mode == Mode::kOneVsOne ? kDuelists : kAgentCount;
-  const std::size_t searching = rng.Below(static_cast<std::uint32_t>(players));
-  for (std::size_t i = 1; i < players; ++i) {
-    setup.seats[(searching + i) % players].policy = PolicyNamed(config.opponents[i - 1]);
+RunGames::RunGames(const SelfPlayConfig& config)
+    : settings_(SettingsOf(config)),
+      start_(StartOf(config)),
+      table_(ResolvePlayers(config)),
+      seed_(config.seed),
+      to_the_end_(config.record_after_death) {}
+
+GameSetup RunGames::SetupFor(std::uint64_t ticket) const {
+  Rng rng = Rng(seed_).Split(ticket);
+  GameSetup setup{.settings = settings_, .start = start_, .seats = {}, .seed = 0};
+  const std::size_t index = DrawLineup(rng);
+  const Lineup& lineup = table_.lineups[index];
+  const int turn = static_cast<int>(rng.Below(static_cast<std::uint32_t>(lineup.seat_count)));
+  for (int role = 0; role < lineup.seat_count; ++role) {
+    setup.seats[(role + turn) % lineup.seat_count] = SeatOf(lineup, role);
   }
-  setup.seats[searching].searches = true;
   setup.seed = rng.Next();
+  setup.lineup = static_cast<std::uint8_t>(index);
+  setup.to_the_end = to_the_end_;
   return setup;
+}
+
+std::size_t RunGames::DrawLineup(Rng& rng) const {
+  double total = 0;
+  for (const Lineup& lineup : table_.lineups) total += lineup.share;
+  double left = rng.Uniform() * total;
+  std::size_t index = 0;
+  while (index + 1 < table_.lineups.size() && (left -= table_.lineups[index].share) >= 0) ++index;
+  return index;
+}
+
+// Of an exam the first player is measured, and nobody teaches.
+Seat RunGames::SeatOf(const Lineup& lineup, int role) const {
+  const int index = lineup.seats[role];
+  const Player& player = table_.players[index];
+  const bool teaches = !lineup.exam && player.teaches != Teaches::kNothing;
+  return {.searches = player.agent.kind != AgentSpec::Kind::kRuleBased,
+          .policy = player.agent.policy,
+          .teaches = teaches ? player.teaches : Teaches::kNothing,
+          .measured = lineup.exam ? index == lineup.seats[0] : teaches,
+          .player = static_cast<std::uint8_t>(index)};
 }
 
 }  // namespace powderkeg
