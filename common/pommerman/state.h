@@ -94,7 +94,6 @@ struct State {
   [[nodiscard]] const Bomb* BombAt(Cell cell) const;
   // Cells of living agents.
   [[nodiscard]] BitBoard AgentCells() const;
-  [[nodiscard]] int AliveCount() const;
   // Passages and visible items: no wall, wood, bomb, flame or living agent.
   [[nodiscard]] BitBoard Walkable() const;
   // What the official board shows (full view); an agent hides the bomb below it.
