@@ -8,8 +8,6 @@
 namespace powderkeg {
 namespace {
 
-constexpr int kFreshBombLife = 9;
-constexpr int kAmmoCap = 10;
 // The furthest a bomb gets in one step: a deflected one, diagonally.
 constexpr int kBombStride = 2;
 
@@ -269,7 +267,7 @@ AgentId BombMatch::LikelyOwner(const Bomb& seen) const {
 void BombMatch::ChangeAmmo(AgentId id, int change) {
   if (id == self_) return;
   std::uint8_t& ammo = state_.agents[id].ammo;
-  ammo = static_cast<std::uint8_t>(std::clamp(ammo + change, 0, kAmmoCap));
+  ammo = static_cast<std::uint8_t>(std::clamp(ammo + change, 0, kMaxAmmo));
 }
 
 // A bomb predicted in view but not seen there has exploded.
