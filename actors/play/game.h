@@ -51,8 +51,6 @@ class Game {
   [[nodiscard]] const State& state() const { return state_; }
   // Complete once Gather returned false.
   [[nodiscard]] const GameRecord& record() const { return record_; }
-  // Moves the record out of a finished game.
-  [[nodiscard]] GameRecord TakeRecord() { return std::move(record_); }
   [[nodiscard]] const SeatStatistics& statistics(AgentId seat) const { return statistics_[seat]; }
 
  private:
