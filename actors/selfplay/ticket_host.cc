@@ -23,7 +23,7 @@ std::vector<AgentSpec> SpecsOf(const std::vector<Player>& players) {
 TicketHost::TicketHost(const Welcome& welcome, TicketBook& tickets, Outbox& outbox,
                        std::function<void()> game_added)
     : games_(welcome.self_play),
-      swaps_at_once_(welcome.self_play.weights_swap == "at_once"),
+      swaps_at_once_(welcome.self_play.weights_swap == WeightsSwap::kAtOnce),
       settings_digest_(welcome.settings_digest),
       tickets_(tickets),
       outbox_(outbox),

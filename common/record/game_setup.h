@@ -24,8 +24,8 @@ class RunGames {
   // Of every game.
   [[nodiscard]] const GameSettings& settings() const { return settings_; }
   // Seat::player is the index here, GameSetup::lineup there.
-  [[nodiscard]] const std::vector<Player>& players() const { return table_.players; }
-  [[nodiscard]] const std::vector<Lineup>& lineups() const { return table_.lineups; }
+  [[nodiscard]] const std::vector<Player>& players() const { return who_.players; }
+  [[nodiscard]] const std::vector<Lineup>& lineups() const { return who_.lineups; }
 
  private:
   [[nodiscard]] std::size_t DrawLineup(Rng& rng) const;
@@ -33,7 +33,7 @@ class RunGames {
 
   GameSettings settings_;
   StartSettings start_;
-  Players table_;
+  Players who_;
   std::uint64_t seed_;
   bool to_the_end_;
 };
