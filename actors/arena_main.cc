@@ -148,8 +148,8 @@ ContestSettings SettingsOf(const Arguments& arguments) {
 }
 
 // The agent in role 0 and, in team modes, its mate in role 2.
-Lineup LineupOf(const std::string& agent, const Arguments& arguments, Mode mode) {
-  Lineup lineup;
+MatchLineup LineupOf(const std::string& agent, const Arguments& arguments, Mode mode) {
+  MatchLineup lineup;
   lineup[0] = ParseAgent(agent);
   for (std::size_t role = 1; role < lineup.size(); ++role) {
     const std::vector<std::string>& opponents = arguments.opponents;
@@ -198,7 +198,7 @@ class Bars final : public ContestWatcher {
 };
 
 std::vector<Contender> ContendersOf(const Arguments& arguments, const MatchSettings& settings,
-                                    const std::vector<Lineup>& lineups,
+                                    const std::vector<MatchLineup>& lineups,
                                     std::vector<ContestResult> results) {
   std::vector<Contender> contenders;
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -228,7 +228,7 @@ void WriteFile(const std::string& path, const std::string& text) {
 
 void Run(const Arguments& arguments) {
   const ContestSettings settings = SettingsOf(arguments);
-  std::vector<Lineup> lineups;  // all at once: a mistake should not surface after the first match
+  std::vector<MatchLineup> lineups;  // all at once: a mistake should not surface after the first match
   for (const std::string& agent : arguments.agents) {
     lineups.push_back(LineupOf(agent, arguments, settings.match.game.mode));
   }
