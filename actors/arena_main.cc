@@ -17,8 +17,8 @@
 #include "actors/arena/report.h"
 #include "actors/evaluator_choice.h"
 #include "actors/play/factory.h"
-#include "actors/run_main.h"
 #include "common/base/check.h"
+#include "common/base/run_main.h"
 #include "common/model/weights_snapshot.h"
 
 namespace powderkeg {
