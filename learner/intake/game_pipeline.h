@@ -21,12 +21,15 @@
 #include "common/wire/messages.h"
 #include "common/wire/waker.h"
 #include "learner/intake/ticket_office.h"
+#include "learner/replay/lessons.h"
 
 namespace powderkeg {
 
-// Makes games durable, in the order given; blocks until they are. Called on the store thread alone,
-// with at least one game, with each ticket at most once. May throw Error: that ends the pipeline.
-using AppendGames = std::function<void(std::vector<GameRecord> games)>;
+// Makes games durable, in the order given; blocks until they are. `lessons` are those of the games,
+// in the same order. Called on the store thread alone, with at least one game, with each ticket at
+// most once. May throw Error: that ends the pipeline.
+using AppendGames =
+    std::function<void(const std::vector<GameRecord>& games, std::vector<Lessons> lessons)>;
 
 struct PipelineSettings {
   SelfPlayConfig self_play;
@@ -85,6 +88,7 @@ class GamePipeline {
   struct VerifiedGame {
     Verdict verdict;
     GameRecord record;
+    Lessons lessons;
   };
 
   void RunVerify();

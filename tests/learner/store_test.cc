@@ -39,7 +39,7 @@ TEST(ReplayStore, GivesBackWhatWasAppended) {
   const TemporaryFolder folder;
   std::vector<GameRecord> games = RandomRecords(0, 100);
   games[7].actions.clear();
-  games[7].decisions.clear();
+  games[7].tracks = {};
   {
     ReplayStore store(folder.path() / "replay");
     store.Append(std::span(games).first(40));
@@ -232,7 +232,7 @@ TEST(ReplayStore, AKillAtAnyMomentLosesNothingAcknowledged) {
     for (const GameRecord& game : LoadAll(ReplayStore(folder.path()))) {
       ASSERT_TRUE(tickets.insert(game.ticket).second);
       ASSERT_EQ(game, RandomRecord(game.ticket, static_cast<int>(game.actions.size()),
-                                   static_cast<int>(game.decisions.size())));
+                                   static_cast<int>(DecisionCount(game))));
     }
     ASSERT_GE(tickets.size(), games + appends * kGamesPerSegment);
     // One append may have become durable without being acknowledged.
