@@ -13,12 +13,12 @@
 #include <vector>
 
 #include "actors/arena/contest.h"
-#include "actors/arena/progress.h"
+#include "actors/arena/match_progress.h"
 #include "actors/arena/report.h"
 #include "actors/evaluator_choice.h"
 #include "actors/play/factory.h"
-#include "actors/run_main.h"
 #include "common/base/check.h"
+#include "common/base/run_main.h"
 #include "common/model/weights_snapshot.h"
 
 namespace powderkeg {
@@ -182,19 +182,19 @@ class Bars final : public ContestWatcher {
  public:
   Bars(const std::vector<std::string>& agents, int games) {
     const auto style =
-        isatty(STDERR_FILENO) != 0 ? Progress::Style::kTerminal : Progress::Style::kPlain;
+        isatty(STDERR_FILENO) != 0 ? MatchProgress::Style::kTerminal : MatchProgress::Style::kPlain;
     for (const std::string& agent : agents) bars_.emplace_back(std::cerr, style, agent, games);
   }
 
-  void Began(int agent) override { bars_[agent].Start(Progress::Clock::now()); }
+  void Began(int agent) override { bars_[agent].Start(MatchProgress::Clock::now()); }
   void Played(int agent, const PlayedGame& game) override {
-    bars_[agent].AddGame(game, Progress::Clock::now());
+    bars_[agent].AddGame(game, MatchProgress::Clock::now());
   }
   void Tested(int agent, const TestState& state) override { bars_[agent].SetTest(state); }
-  void Paused(int agent) override { bars_[agent].Pause(Progress::Clock::now()); }
+  void Paused(int agent) override { bars_[agent].Pause(MatchProgress::Clock::now()); }
 
  private:
-  std::vector<Progress> bars_;
+  std::vector<MatchProgress> bars_;
 };
 
 std::vector<Contender> ContendersOf(const Arguments& arguments, const MatchSettings& settings,

@@ -2,9 +2,9 @@
 
 #include "actors/play/plain_agents.h"
 #include "actors/play/search_agent.h"
-#include "common/pommerman/board_text.h"
 #include "common/pommerman/step.h"
 #include "tests/play/support.h"
+#include "tests/pommerman/board_reader.h"
 
 namespace powderkeg {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "actors/arena/contest.h"
 #include "actors/arena/match.h"
-#include "common/pommerman/board_text.h"
+#include "tests/pommerman/board_reader.h"
 
 namespace powderkeg {
 namespace {

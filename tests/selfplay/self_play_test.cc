@@ -7,9 +7,9 @@
 
 #include "common/base/check.h"
 #include "common/base/worker.h"
-#include "common/wire/in_process_transport.h"
 #include "common/wire/zmq_transport.h"
 #include "tests/selfplay/session_support.h"
+#include "tests/wire/in_process_transport.h"
 
 namespace powderkeg {
 namespace {

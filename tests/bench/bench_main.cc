@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "actors/run_main.h"
 #include "actors/search/tree.h"
 #include "common/base/check.h"
+#include "common/base/run_main.h"
 #include "common/pommerman/state.h"
 #include "tests/bench/bench_policies.h"
 #include "tests/bench/bench_search.h"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "actors/replay/stored_game.h"
+#include "tools/viewer/stored_game.h"
 
 namespace powderkeg {
 

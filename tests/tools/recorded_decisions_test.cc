@@ -1,10 +1,10 @@
-#include "common/record/recorded_decisions.h"
+#include "tools/official/recorded_decisions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/base/check.h"
-#include "common/record/json_lines.h"
+#include "tools/official/json_lines.h"
 
 namespace powderkeg {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/record/recorded_format.h"
+#include "tools/official/recorded_format.h"
 
 #include <algorithm>
 #include <memory>
@@ -6,8 +6,7 @@
 #include <utility>
 
 #include "common/base/check.h"
-#include "common/pommerman/board_text.h"
-#include "common/record/json_lines.h"
+#include "tools/official/json_lines.h"
 
 namespace powderkeg {
 namespace {
@@ -68,21 +67,6 @@ std::uint8_t CellOf(const Json& row, const Json& column) {
 Item ItemOf(const Json& json) {
   constexpr int kFirst = static_cast<int>(CellValue::kExtraBomb);
   return static_cast<Item>(Number(json, kFirst, kFirst + 2) - kFirst + 1);
-}
-
-constexpr std::string_view kDigits = "0123456789abcdefghijklmnopqrstuvwxyz";
-
-// 121 base-36 digits.
-std::array<std::uint8_t, kCellCount> Digits(const Json& json) {
-  const std::string text = Text(json);
-  std::array<std::uint8_t, kCellCount> digits{};
-  if (text.size() != digits.size()) throw Error(StrCat("board of ", text.size(), " cells"));
-  for (std::size_t i = 0; i < digits.size(); ++i) {
-    const std::size_t digit = kDigits.find(text[i]);
-    if (digit == std::string_view::npos) throw Error(StrCat("board has a cell '", text[i], '\''));
-    digits[i] = static_cast<std::uint8_t>(digit);
-  }
-  return digits;
 }
 
 CellValue CellValueOf(int digit) {
@@ -156,7 +140,7 @@ void CheckBoard(const std::array<std::uint8_t, kCellCount>& board, const State& 
 
 State ReadState(const Json& json) {
   State state;
-  const auto board = Digits(Field(json, "b"));
+  const auto board = BoardNumbers(Text(Field(json, "b")));
   ReadBoard(board, state);
   state.step = NumberOf<std::uint16_t>(Field(json, "n"));
   const Json& agents = List(Field(json, "ag"), kAgentCount);
@@ -168,42 +152,6 @@ State ReadState(const Json& json) {
   return state;
 }
 
-std::string BoardDigits(const State& state) {
-  std::string digits;
-  for (Cell cell = 0; cell < kCellCount; ++cell) {
-    digits += kDigits[static_cast<int>(state.ValueAt(cell))];
-  }
-  return digits;
-}
-
-Json WriteState(const State& state) {
-  Json agents = Json::array();
-  for (const AgentState& agent : state.agents) {
-    agents.push_back({RowOf(agent.cell), ColumnOf(agent.cell), int{agent.alive}, agent.ammo,
-                      agent.blast_strength, int{agent.can_kick}});
-  }
-  Json bombs = Json::array();
-  for (const Bomb& bomb : state.Bombs()) {
-    const int direction = static_cast<int>(bomb.direction());
-    bombs.push_back({bomb.owner(), RowOf(bomb.cell), ColumnOf(bomb.cell), bomb.life,
-                     bomb.blast_strength, direction != 0 ? Json(direction) : Json()});
-  }
-  Json flames = Json::array();
-  for (int life = 0; life < static_cast<int>(state.flames.size()); ++life) {
-    ForEachCell(state.flames[life], [&](Cell cell) {
-      flames.push_back({RowOf(cell), ColumnOf(cell), life});
-    });
-  }
-  Json items = Json::array();
-  ForEachCell(state.HiddenItems(), [&](Cell cell) {
-    constexpr int kBeforeFirst = static_cast<int>(CellValue::kExtraBomb) - 1;
-    items.push_back(
-        {RowOf(cell), ColumnOf(cell), kBeforeFirst + static_cast<int>(state.ItemAt(cell))});
-  });
-  return {{"n", state.step},        {"b", BoardDigits(state)}, {"ag", std::move(agents)},
-          {"bo", std::move(bombs)}, {"fl", std::move(flames)}, {"it", std::move(items)}};
-}
-
 // ---- Observations ----
 
 Message ReadMessage(const Json& json) {
@@ -212,8 +160,8 @@ Message ReadMessage(const Json& json) {
 }
 
 void ReadCells(const Json& json, Observation& observation) {
-  const auto board = Digits(Field(json, "board"));
-  const auto directions = Digits(Field(json, "bomb_moving_direction"));
+  const auto board = BoardNumbers(Text(Field(json, "board")));
+  const auto directions = BoardNumbers(Text(Field(json, "bomb_moving_direction")));
   for (Cell cell = 0; cell < kCellCount; ++cell) {
     observation.board[cell] = CellValueOf(board[cell]);
     if (directions[cell] > static_cast<int>(Direction::kRight)) {
@@ -221,9 +169,9 @@ void ReadCells(const Json& json, Observation& observation) {
     }
     observation.bomb_moving_direction[cell] = static_cast<Direction>(directions[cell]);
   }
-  observation.bomb_blast_strength = Digits(Field(json, "bomb_blast_strength"));
-  observation.bomb_life = Digits(Field(json, "bomb_life"));
-  observation.flame_life = Digits(Field(json, "flame_life"));
+  observation.bomb_blast_strength = BoardNumbers(Text(Field(json, "bomb_blast_strength")));
+  observation.bomb_life = BoardNumbers(Text(Field(json, "bomb_life")));
+  observation.flame_life = BoardNumbers(Text(Field(json, "flame_life")));
   if (std::ranges::max(observation.flame_life) > 3) throw Error("a flame lives longer than 3");
 }
 
@@ -262,14 +210,9 @@ RecordedObservations ReadObservations(const Json& json) {
 
 // ---- Games ----
 
-Mode ModeOf(std::string_view name) {
-  if (name == "ffa") return Mode::kFreeForAll;
-  return name == "team" ? Mode::kTeam : Mode::kTeamRadio;
-}
-
-GameSettings ReadSettings(const Json& header, std::string_view mode) {
+GameSettings ReadSettings(const Json& header, Mode mode) {
   GameSettings settings;
-  settings.mode = ModeOf(mode);
+  settings.mode = mode;
   settings.max_steps = Number(Field(header, "max_steps"), 1, UINT16_MAX);
   settings.blast_strength_cap = Number(Field(header, "blast_cap"), 1, UINT8_MAX);
   const Json& view = Field(header, "view");
@@ -292,10 +235,11 @@ RecordedGame ReadHeader(const Json& json) {
   RecordedGame game;
   game.id = Text(Field(json, "id"));
   game.mode = Text(Field(json, "mode"));
-  if (!game.Known()) return game;
+  const std::optional<Mode> mode = RecordedModeFor(game.mode);
+  if (!mode) return game;
   game.environment = Text(Field(json, "env"));
   if (json.contains("tag")) game.tag = Text(json.at("tag"));
-  game.settings = ReadSettings(json, game.mode);
+  game.settings = ReadSettings(json, *mode);
   game.start = ReadState(Field(json, "state"));
   if (json.contains("words")) ReadWords(json.at("words"), game.start.messages);
   if (json.contains("obs")) game.observations = ReadObservations(json.at("obs"));
@@ -361,119 +305,26 @@ bool ReadLine(const Json& json, RecordedGame& game) {
   return false;
 }
 
-// ---- Comparing ----
-
-std::array<CellValue, 3> EnemiesOf(Mode mode, AgentId self) {
-  std::array<CellValue, 3> enemies;
-  enemies.fill(CellValue::kAgentDummy);
-  int count = 0;
-  for (AgentId other = 0; other < kAgentCount; ++other) {
-    if (AreEnemies(mode, self, other)) enemies[count++] = AgentValue(other);
-  }
-  return enemies;
-}
-
-std::string EnvironmentClass(const GameSettings& settings) {
-  const bool collapses = settings.collapse_steps != GameSettings{}.collapse_steps;
-  const int version = settings.mode == Mode::kTeamRadio ? 2 : collapses ? 1 : 0;
-  return StrCat("pommerman.envs.v", version, ":Pomme");
-}
-
-// Collects differences under the heading of a place in a game.
-class Comparison {
- public:
-  Comparison(const RecordedGame& game, std::vector<std::string>& differences)
-      : game_(game), differences_(differences) {}
-
-  void set_step(int step) { step_ = step; }
-
-  template <typename Value>
-  void Expect(std::string_view what, const Value& recorded, const Value& played) {
-    if (recorded == played) return;
-    Report(StrCat(what, ": recorded ", recorded, ", played ", played));
-  }
-
-  void ExpectState(const State& recorded, const State& played) {
-    if (recorded == played) return;
-    Report(StrCat("state: recorded\n", ToText(recorded), "played\n", ToText(played)));
-  }
-
-  void ExpectObservations(const std::optional<RecordedObservations>& recorded,
-                          const State& played) {
-    if (!recorded) return;
-    for (AgentId id = 0; id < kAgentCount; ++id) {
-      ExpectObservation(id, (*recorded)[id], OfficialObservation(game_.settings, played, id));
-    }
-  }
-
- private:
-  void Report(const std::string& text) {
-    differences_.push_back(StrCat(game_.id, " (", game_.tag, ") step ", step_, ": ", text));
-  }
-
-  void ExpectObservation(AgentId id, const RecordedObservation& recorded,
-                         const RecordedObservation& played);
-
-  const RecordedGame& game_;
-  std::vector<std::string>& differences_;
-  int step_ = 0;
-};
-
-// The cells in which two arrays of an observation differ, with both values.
-template <typename Cells>
-std::string CellDifferences(const char* name, const Cells& recorded, const Cells& played) {
-  std::string text;
-  for (Cell cell = 0; cell < kCellCount; ++cell) {
-    if (recorded[cell] == played[cell]) continue;
-    text += StrCat(' ', name, '(', RowOf(cell), ',', ColumnOf(cell), ") recorded ",
-                   static_cast<int>(recorded[cell]), " played ", static_cast<int>(played[cell]));
-  }
-  return text;
-}
-
-std::string OwnFields(const RecordedObservation& recorded) {
-  const Observation& seen = recorded.observation;
-  std::string text = StrCat("position ", int{seen.position}, " strength ", int{seen.blast_strength},
-                            " kick ", seen.can_kick, " ammo ", int{seen.ammo}, " step ", seen.step,
-                            " message ", int{seen.message[0]}, ' ', int{seen.message[1]}, " alive");
-  for (const bool alive : seen.alive) text += StrCat(' ', alive);
-  text += StrCat(" teammate ", static_cast<int>(recorded.team_mate), " enemies");
-  for (const CellValue enemy : recorded.enemies) text += StrCat(' ', static_cast<int>(enemy));
-  return text + StrCat(" type ", recorded.game_type, ' ', recorded.environment);
-}
-
-void Comparison::ExpectObservation(AgentId id, const RecordedObservation& recorded,
-                                   const RecordedObservation& played) {
-  if (recorded == played) return;
-  const Observation& a = recorded.observation;
-  const Observation& b = played.observation;
-  std::string text = StrCat("observation of agent ", id, ':');
-  text += CellDifferences("board", a.board, b.board);
-  text += CellDifferences("strength", a.bomb_blast_strength, b.bomb_blast_strength);
-  text += CellDifferences("life", a.bomb_life, b.bomb_life);
-  text += CellDifferences("direction", a.bomb_moving_direction, b.bomb_moving_direction);
-  text += CellDifferences("flame", a.flame_life, b.flame_life);
-  const std::string recorded_fields = OwnFields(recorded);
-  const std::string played_fields = OwnFields(played);
-  if (recorded_fields != played_fields) {
-    text += StrCat(" recorded ", recorded_fields, " played ", played_fields);
-  }
-  Report(text);
-}
-
-std::string RewardText(const std::array<std::int8_t, kAgentCount>& rewards) {
-  std::string text;
-  for (const std::int8_t reward : rewards) text += StrCat(int{reward}, ' ');
-  return text;
-}
-
-// Result and winners. A recorder that cuts a game off leaves it incomplete.
-void ExpectEnd(const RecordedGame& game, const Outcome& outcome, Comparison& comparison) {
-  comparison.Expect("result", static_cast<int>(game.result), static_cast<int>(outcome.result));
-  comparison.Expect("winners", int{game.winners}, int{outcome.winners});
-}
-
 }  // namespace
+
+std::array<std::uint8_t, kCellCount> BoardNumbers(std::string_view digits) {
+  std::array<std::uint8_t, kCellCount> numbers{};
+  if (digits.size() != numbers.size()) throw Error(StrCat("board of ", digits.size(), " cells"));
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::size_t number = kBoardDigits.find(digits[i]);
+    if (number == std::string_view::npos)
+      throw Error(StrCat("board has a cell '", digits[i], '\''));
+    numbers[i] = static_cast<std::uint8_t>(number);
+  }
+  return numbers;
+}
+
+std::optional<Mode> RecordedModeFor(std::string_view name) {
+  if (name == "ffa") return Mode::kFreeForAll;
+  if (name == "team") return Mode::kTeam;
+  if (name == "radio") return Mode::kTeamRadio;
+  return std::nullopt;
+}
 
 RecordedGameReader::RecordedGameReader(const std::string& path)
     : name_(path), lines_([reader = std::make_shared<LineReader>(path)](std::string& line) {
@@ -500,40 +351,6 @@ bool RecordedGameReader::Next(RecordedGame& game) {
     throw Error(StrCat(name_, ':', line_number_, ": ", error.what()));
   }
   return true;
-}
-
-std::string RecordedFrom(const State& state) { return WriteState(state).dump(); }
-
-RecordedObservation OfficialObservation(const GameSettings& settings, const State& state,
-                                        AgentId self) {
-  const AgentId team_mate = TeamMateOf(settings.mode, self);
-  return {.observation = Observe(settings, state, self),
-          .team_mate = team_mate < 0 ? CellValue::kAgentDummy : AgentValue(team_mate),
-          .enemies = EnemiesOf(settings.mode, self),
-          .game_type = static_cast<int>(settings.mode),
-          .environment = EnvironmentClass(settings)};
-}
-
-std::vector<std::string> ReplayDifferences(const RecordedGame& game) {
-  CHECK(game.Known(), game.mode);
-  std::vector<std::string> differences;
-  Comparison comparison(game, differences);
-  comparison.ExpectObservations(game.observations, game.start);
-  State state = game.start;
-  Outcome outcome;
-  for (const RecordedStep& step : game.steps) {
-    comparison.set_step(state.step);
-    Step(game.settings, step.actions, step.messages, state);
-    outcome = OutcomeOf(game.settings, state);
-    comparison.Expect("rewards", RewardText(step.rewards), RewardText(outcome.rewards));
-    comparison.Expect("done", step.done, outcome.done);
-    comparison.ExpectObservations(step.observations, state);
-    Collapse(game.settings, state);
-    comparison.ExpectState(step.state, state);
-    state = step.state;
-  }
-  if (!game.steps.empty()) ExpectEnd(game, outcome, comparison);
-  return differences;
 }
 
 }  // namespace powderkeg

@@ -13,12 +13,12 @@
 #include <utility>
 #include <vector>
 
-#include "actors/replay/recorded_export.h"
-#include "actors/replay/stored_game.h"
-#include "actors/replay/viewer.h"
-#include "actors/run_main.h"
 #include "common/base/check.h"
+#include "common/base/run_main.h"
 #include "common/segment/segment_file.h"
+#include "tools/official/recorded_export.h"
+#include "tools/viewer/stored_game.h"
+#include "tools/viewer/viewer.h"
 
 namespace powderkeg {
 namespace {

@@ -1,14 +1,13 @@
-#include "actors/replay/recorded_export.h"
+#include "tools/official/recorded_export.h"
 
 #include <array>
 #include <string_view>
+#include <vector>
 
 #include "common/base/check.h"
 
 namespace powderkeg {
 namespace {
-
-constexpr std::string_view kDigits = "0123456789abcdefghijklmnopqrstuvwxyz";
 
 // --- JSON text ----------------------------------------------------------------------------------
 
@@ -46,15 +45,57 @@ std::string Agents(const std::array<bool, kAgentCount>& flags, int first) {
   return "[" + list + "]";
 }
 
-// --- Observations -------------------------------------------------------------------------------
-
 // 121 digits in quotes.
 template <typename Cells>
 std::string Digits(const Cells& cells) {
   std::string digits;
-  for (const auto value : cells) digits += kDigits[static_cast<int>(value)];
+  for (const auto value : cells) digits += kBoardDigits[static_cast<int>(value)];
   return Quoted(digits);
 }
+
+// --- Positions ----------------------------------------------------------------------------------
+
+// Lists of (row, column, number).
+using CellNumbers = std::vector<std::array<int, 3>>;
+
+std::string ListOf(const CellNumbers& entries) {
+  return List(entries, [](const auto& entry) { return List(entry, kNumber); });
+}
+
+std::string AgentText(const AgentState& agent) {
+  return List(std::array<int, 6>{RowOf(agent.cell), ColumnOf(agent.cell), agent.alive, agent.ammo,
+                                 agent.blast_strength, agent.can_kick},
+              kNumber);
+}
+
+std::string BombText(const Bomb& bomb) {
+  const bool rolls = bomb.direction() != Direction::kNone;
+  return StrCat("[", bomb.owner(), ",", RowOf(bomb.cell), ",", ColumnOf(bomb.cell), ",",
+                int{bomb.life}, ",", int{bomb.blast_strength}, ",",
+                rolls ? kNumber(bomb.direction()) : "null", "]");
+}
+
+std::string PositionText(const State& state) {
+  std::array<CellValue, kCellCount> board{};
+  for (Cell cell = 0; cell < kCellCount; ++cell) board[cell] = state.ValueAt(cell);
+  CellNumbers flames;
+  for (int life = 0; life < static_cast<int>(state.flames.size()); ++life) {
+    ForEachCell(state.flames[life], [&](Cell cell) {
+      flames.push_back({RowOf(cell), ColumnOf(cell), life});
+    });
+  }
+  CellNumbers items;
+  ForEachCell(state.HiddenItems(), [&](Cell cell) {
+    constexpr int kBeforeFirst = static_cast<int>(CellValue::kExtraBomb) - 1;
+    items.push_back(
+        {RowOf(cell), ColumnOf(cell), kBeforeFirst + static_cast<int>(state.ItemAt(cell))});
+  });
+  return StrCat(R"({"ag":)", List(state.agents, AgentText), R"(,"b":)", Digits(board), R"(,"bo":)",
+                List(state.Bombs(), BombText), R"(,"fl":)", ListOf(flames), R"(,"it":)",
+                ListOf(items), R"(,"n":)", state.step, "}");
+}
+
+// --- Observations -------------------------------------------------------------------------------
 
 std::string ObservationText(const RecordedObservation& recorded, Mode mode) {
   const Observation& seen = recorded.observation;
@@ -95,7 +136,7 @@ std::string Header(const RecordedGame& game) {
              R"(,"blast_cap":)", settings.blast_strength_cap, R"(,"view":)",
              settings.view_radius == 0 ? "null" : StrCat(settings.view_radius), R"(,"collapses":)",
              CollapseSteps(settings), R"(,"tag":)", Quoted(game.tag), R"(,"state":)",
-             RecordedFrom(game.start));
+             PositionText(game.start));
   if (settings.mode == Mode::kTeamRadio) line += R"(,"words":)" + Words(game.start.messages);
   if (game.observations) {
     line += R"(,"obs":)" + ObservationsText(*game.observations, settings.mode);
@@ -106,7 +147,7 @@ std::string Header(const RecordedGame& game) {
 std::string StepLine(const RecordedStep& step, Mode mode) {
   std::string line = R"({"t":"step","a":)" + List(step.actions, kNumber);
   if (mode == Mode::kTeamRadio) line += R"(,"m":)" + Words(step.messages);
-  line += StrCat(R"(,"s":)", RecordedFrom(step.state), R"(,"r":)", List(step.rewards, kNumber),
+  line += StrCat(R"(,"s":)", PositionText(step.state), R"(,"r":)", List(step.rewards, kNumber),
                  R"(,"d":)", step.done ? "true" : "false");
   if (step.observations) line += R"(,"o":)" + ObservationsText(*step.observations, mode);
   return line + "}\n";

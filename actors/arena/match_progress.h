@@ -16,13 +16,13 @@ namespace powderkeg {
 
 // On a terminal one line that is written over, at most ten times a second; elsewhere plain lines,
 // at most one in ten seconds. One thread at a time.
-class Progress {
+class MatchProgress {
  public:
   enum class Style : std::uint8_t { kTerminal, kPlain };
   using Clock = std::chrono::steady_clock;
 
   // `out` must outlive it.
-  Progress(std::ostream& out, Style style, std::string title, int games);
+  MatchProgress(std::ostream& out, Style style, std::string title, int games);
 
   // Play starts, or goes on after Pause.
   void Start(Clock::time_point now);

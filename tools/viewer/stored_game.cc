@@ -1,4 +1,4 @@
-#include "actors/replay/stored_game.h"
+#include "tools/viewer/stored_game.h"
 
 #include <optional>
 #include <string_view>
@@ -6,6 +6,7 @@
 #include "common/base/check.h"
 #include "common/pommerman/generate.h"
 #include "common/pommerman/step.h"
+#include "tools/official/recorded_replay.h"
 
 namespace powderkeg {
 namespace {

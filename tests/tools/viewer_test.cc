@@ -1,16 +1,18 @@
+#include "tools/viewer/viewer.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sstream>
 #include <string>
 
-#include "actors/replay/recorded_export.h"
-#include "actors/replay/stored_game.h"
-#include "actors/replay/viewer.h"
 #include "common/base/check.h"
-#include "common/pommerman/board_text.h"
 #include "common/pommerman/generate.h"
 #include "common/record/rule_based_seat.h"
+#include "tests/pommerman/board_reader.h"
+#include "tools/official/recorded_export.h"
+#include "tools/official/recorded_replay.h"
+#include "tools/viewer/stored_game.h"
 
 namespace powderkeg {
 namespace {

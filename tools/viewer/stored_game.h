@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/record/game_record.h"
-#include "common/record/recorded_format.h"
+#include "tools/official/recorded_format.h"
 
 namespace powderkeg {
 

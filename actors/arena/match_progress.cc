@@ -1,4 +1,4 @@
-#include "actors/arena/progress.h"
+#include "actors/arena/match_progress.h"
 
 #include <algorithm>
 #include <array>
@@ -29,16 +29,16 @@ std::string TestText(const TestState& test) {
 
 }  // namespace
 
-Progress::Progress(std::ostream& out, Style style, std::string title, int games)
+MatchProgress::MatchProgress(std::ostream& out, Style style, std::string title, int games)
     : out_(out), style_(style), title_(std::move(title)), games_(games) {}
 
-void Progress::Start(Clock::time_point now) {
+void MatchProgress::Start(Clock::time_point now) {
   if (style_ == Style::kPlain) out_ << title_ << ": " << games_ << " games" << std::endl;
   start_ = now;
   shown_ = now;
 }
 
-void Progress::AddGame(const PlayedGame& game, Clock::time_point now) {
+void MatchProgress::AddGame(const PlayedGame& game, Clock::time_point now) {
   const int outcome = game.outcomes[0];
   ++(outcome > 0 ? score_.wins : outcome < 0 ? score_.losses : score_.ties);
   const bool last = score_.games() == static_cast<std::uint64_t>(games_);
@@ -46,12 +46,12 @@ void Progress::AddGame(const PlayedGame& game, Clock::time_point now) {
   if (last || now - shown_ >= pause) Show(now);
 }
 
-void Progress::Pause(Clock::time_point now) {
+void MatchProgress::Pause(Clock::time_point now) {
   played_ += now - start_;
   if (style_ == Style::kTerminal) out_ << std::endl;
 }
 
-void Progress::Show(Clock::time_point now) {
+void MatchProgress::Show(Clock::time_point now) {
   shown_ = now;
   if (style_ == Style::kTerminal) {
     out_ << '\r' << Bar(static_cast<int>(score_.games()), games_) << ' ' << Line(now) << "\x1b[K"
@@ -61,7 +61,7 @@ void Progress::Show(Clock::time_point now) {
   }
 }
 
-std::string Progress::Line(Clock::time_point now) const {
+std::string MatchProgress::Line(Clock::time_point now) const {
   const auto done = static_cast<double>(score_.games());
   const double seconds = std::chrono::duration<double>(played_ + (now - start_)).count();
   const Interval win = WilsonInterval(score_.wins, score_.games());

@@ -1,4 +1,4 @@
-#include "actors/replay/viewer.h"
+#include "tools/viewer/viewer.h"
 
 #include <algorithm>
 #include <array>

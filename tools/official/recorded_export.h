@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "actors/replay/stored_game.h"
+#include "tools/official/recorded_format.h"
 
 namespace powderkeg {
 

@@ -1,4 +1,4 @@
-#include "common/record/recorded_decisions.h"
+#include "tools/official/recorded_decisions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,8 @@
 
 #include "common/base/check.h"
 #include "common/pommerman/board_text.h"
-#include "common/record/json_lines.h"
+#include "tools/official/json_lines.h"
+#include "tools/official/recorded_format.h"
 
 namespace powderkeg {
 
@@ -28,27 +29,10 @@ constexpr int kDifferencesShown = 5;
 // in 1.5 % of draws.
 constexpr int kChanceRecordOfSimpleUnbiased = 3030;
 
-int Digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'z') return c - 'a' + 10;
-  throw Error(StrCat("board character '", c, "', expected 0-9 or a-z"));
-}
-
-// 121 base-36 digits, row by row.
-std::string Digits(const Json& json, const char* key) {
-  std::string digits = json.at(key).get<std::string>();
-  if (digits.size() != kCellCount) {
-    throw Error(StrCat(key, " has ", digits.size(), " characters, expected ", kCellCount));
-  }
-  for (char& c : digits) c = static_cast<char>(Digit(c));
-  return digits;
-}
-
 Mode ModeNamed(const std::string& name) {
-  if (name == "ffa") return Mode::kFreeForAll;
-  if (name == "team") return Mode::kTeam;
-  if (name == "radio") return Mode::kTeamRadio;
-  throw Error(StrCat("mode ", name, ", expected ffa, team or radio"));
+  const std::optional<Mode> mode = RecordedModeFor(name);
+  if (!mode) throw Error(StrCat("mode ", name, ", expected ffa, team or radio"));
+  return *mode;
 }
 
 void PlaceValue(Cell cell, int value, RecordedDecision& record) {
@@ -78,10 +62,10 @@ void PlaceValue(Cell cell, int value, RecordedDecision& record) {
 }
 
 void ReadBoard(const Json& json, RecordedDecision& record) {
-  const std::string board = Digits(json, "board");
-  const std::string strength = Digits(json, "bomb_blast_strength");
-  const std::string life = Digits(json, "bomb_life");
-  if (std::ranges::count_if(strength, [](char digit) { return digit > 0; }) > kMaxBombs) {
+  const auto board = BoardNumbers(json.at("board").get<std::string>());
+  const auto strength = BoardNumbers(json.at("bomb_blast_strength").get<std::string>());
+  const auto life = BoardNumbers(json.at("bomb_life").get<std::string>());
+  if (std::ranges::count_if(strength, [](int digit) { return digit > 0; }) > kMaxBombs) {
     throw Error(StrCat("more than ", kMaxBombs, " bombs"));
   }
   for (Cell cell = 0; cell < kCellCount; ++cell) {

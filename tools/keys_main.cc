@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "actors/run_main.h"
+#include "common/base/run_main.h"
 #include "common/wire/keys.h"
 
 namespace powderkeg {

@@ -1,4 +1,4 @@
-#include "common/record/json_lines.h"
+#include "tools/official/json_lines.h"
 
 #include <zlib.h>
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "common/base/check.h"
-#include "common/record/recorded_decisions.h"
-#include "common/record/recorded_format.h"
+#include "tools/official/recorded_decisions.h"
+#include "tools/official/recorded_replay.h"
 
 namespace powderkeg {
 namespace {

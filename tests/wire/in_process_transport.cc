@@ -1,4 +1,4 @@
-#include "common/wire/in_process_transport.h"
+#include "tests/wire/in_process_transport.h"
 
 #include <poll.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Games recorded in the official environment, one JSON object per line (format version 1), and
-// their replay: the proof that Step plays by the official rules.
+// Games recorded in the official environment, one JSON object per line (format version 1,
+// docs/spec/recorded_format.md).
 
 #include <array>
 #include <cstdint>
@@ -17,6 +17,14 @@
 #include "common/pommerman/step.h"
 
 namespace powderkeg {
+
+// A board is text of 121 of these digits, row by row.
+inline constexpr std::string_view kBoardDigits = "0123456789abcdefghijklmnopqrstuvwxyz";
+// The numbers that such a text stands for. Throws Error on any other.
+[[nodiscard]] std::array<std::uint8_t, kCellCount> BoardNumbers(std::string_view digits);
+
+// nullopt for a mode that cannot be replayed: all but ffa, team and radio.
+[[nodiscard]] std::optional<Mode> RecordedModeFor(std::string_view name);
 
 // An official observation: what Observation holds, and what it leaves to the settings.
 struct RecordedObservation {
@@ -44,7 +52,7 @@ struct RecordedStep {
 struct RecordedGame {
   std::string id;
   std::string environment;  // the official id
-  std::string mode;         // as recorded: ffa, team or radio; others cannot be replayed
+  std::string mode;         // as recorded
   std::string tag;
   GameSettings settings;
   State start;
@@ -55,7 +63,7 @@ struct RecordedGame {
   std::uint8_t winners = 0;  // bit i: agent i
 
   // A game of another mode is read as its id and mode alone.
-  [[nodiscard]] bool Known() const { return mode == "ffa" || mode == "team" || mode == "radio"; }
+  [[nodiscard]] bool Known() const { return RecordedModeFor(mode).has_value(); }
 };
 
 // Gives the next line; false at the end.
@@ -78,18 +86,5 @@ class RecordedGameReader {
   LineSource lines_;
   int line_number_ = 0;
 };
-
-// A position as JSON text, as in recorded games ({"n":..,"b":..,"ag":..,"bo":..,"fl":..,"it":..});
-// without messages.
-[[nodiscard]] std::string RecordedFrom(const State& state);
-
-// What the official environment shows an agent.
-[[nodiscard]] RecordedObservation OfficialObservation(const GameSettings& settings,
-                                                      const State& state, AgentId self);
-
-// Plays the recorded actions from the recorded start. Returns one text for each difference in a
-// state, a reward, the end, the result or an observation; none if all is equal. Goes on from the
-// recorded state after a difference. Requires game.Known().
-[[nodiscard]] std::vector<std::string> ReplayDifferences(const RecordedGame& game);
 
 }  // namespace powderkeg

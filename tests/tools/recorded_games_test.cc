@@ -9,8 +9,8 @@
 
 #include "common/base/check.h"
 #include "common/pommerman/game_settings.h"
-#include "common/record/json_lines.h"
-#include "common/record/recorded_format.h"
+#include "tools/official/json_lines.h"
+#include "tools/official/recorded_replay.h"
 
 namespace powderkeg {
 namespace {
