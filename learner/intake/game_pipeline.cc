@@ -39,12 +39,12 @@ GamePipeline::GamePipeline(PipelineSettings settings, AppendGames append, Ticket
                            const Waker& waker)
     : settings_(std::move(settings)),
       settings_digest_(SettingsDigest(settings_.self_play)),
+      games_(settings_.self_play),
       append_(std::move(append)),
       waker_(waker),
       stored_(std::move(stored)),
       to_verify_(settings_.capacity),
       to_store_(settings_.capacity) {
-  (void)SetupFor(settings_.self_play, /*ticket=*/0);  // an unknown name is found here
   store_ = std::make_unique<Worker>("store", [this](const std::stop_token&) { RunStore(); });
   for (int i = 0; i < settings_.verify_threads; ++i) {
     verifiers_.push_back(
@@ -106,7 +106,7 @@ GamePipeline::VerifiedGame GamePipeline::Check(const SubmittedGame& submitted) c
     verdict.reason = malformed->reason;
   } else {
     checked.record = std::get<GameRecord>(std::move(decoded));
-    checked.record.setup = SetupFor(settings_.self_play, verdict.ticket);
+    checked.record.setup = games_.SetupFor(verdict.ticket);
     auto made = MakeLessons(checked.record);
     if (const auto* reason = std::get_if<std::string>(&made)) {
       verdict.reason = *reason;

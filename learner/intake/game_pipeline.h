@@ -18,6 +18,7 @@
 #include "common/base/worker.h"
 #include "common/config/run_config.h"
 #include "common/record/game_record.h"
+#include "common/record/game_setup.h"
 #include "common/wire/messages.h"
 #include "common/wire/waker.h"
 #include "learner/intake/ticket_office.h"
@@ -100,6 +101,7 @@ class GamePipeline {
 
   const PipelineSettings settings_;
   const Sha256Digest settings_digest_;
+  const RunGames games_;
   const AppendGames append_;
   const Waker& waker_;
   TicketSet stored_;  // the store thread's

@@ -28,8 +28,8 @@ MatchScore ScoreOf(int outcome) {
 
 // Of the first: +1, 0, -1; nullopt where it is not known.
 std::optional<int> Compare(const GameResult& result, AgentId first, AgentId second) {
-  const auto& [standings, outcome] = result;
-  if (standings[first].mate >= 0) {  // teams
+  const auto& [finishes, outcome] = result;
+  if (finishes[first].mate >= 0) {  // teams
     if (outcome.result != Result::kWin) return 0;
     return (outcome.winners >> first & 1) != 0 ? 1 : -1;
   }
@@ -37,7 +37,7 @@ std::optional<int> Compare(const GameResult& result, AgentId first, AgentId seco
     if ((outcome.winners >> first & 1) != 0) return 1;
     if ((outcome.winners >> second & 1) != 0) return -1;
   }
-  const int lead = int{standings[first].lasted} - int{standings[second].lasted};
+  const int lead = int{finishes[first].lasted} - int{finishes[second].lasted};
   if (lead == 0 && !outcome.done) return std::nullopt;
   return lead > 0 ? 1 : lead < 0 ? -1 : 0;
 }
@@ -85,11 +85,11 @@ Contestant League::ContestantOf(const Standing& standing) const {
 }
 
 void League::AddPair(int iteration, const GameResult& result, AgentId first, AgentId second) {
-  const auto& standings = result.standings;
-  const bool seated = standings[first].lasted > 0 && standings[second].lasted > 0;
-  if (!seated || standings[first].mate == second) return;
-  const Contestant a = ContestantOf(standings[first]);
-  const Contestant b = ContestantOf(standings[second]);
+  const auto& finishes = result.finishes;
+  const bool seated = finishes[first].lasted > 0 && finishes[second].lasted > 0;
+  if (!seated || finishes[first].mate == second) return;
+  const Contestant a = ContestantOf(finishes[first]);
+  const Contestant b = ContestantOf(finishes[second]);
   const std::optional<int> outcome = Compare(result, first, second);
   if (a == b || !outcome) return;
   AddScore(iteration, a < b ? Pair(a, b) : Pair(b, a), ScoreOf(a < b ? *outcome : -*outcome));

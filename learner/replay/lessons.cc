@@ -42,7 +42,7 @@ class Teacher {
     Summarize(summary);
     for (Sample& sample : lessons_.samples) sample.outcome = OutcomeOf(sample.viewer);
     for (AgentId agent = 0; agent < kAgentCount; ++agent) {
-      lessons_.result.standings[agent] = StandingOf(agent);
+      lessons_.result.finishes[agent] = FinishOf(agent);
     }
     lessons_.result.outcome = game_.outcome;
     lessons_.ticket = game_.ticket;
@@ -88,7 +88,7 @@ class Teacher {
     return static_cast<std::int8_t>(OutcomeFor(game_, agent));
   }
 
-  [[nodiscard]] Standing StandingOf(AgentId agent) const {
+  [[nodiscard]] Finish FinishOf(AgentId agent) const {
     return {.player = seat(agent).player,
             .weights_version = game_.tracks[agent].weights_version,
             .mate = TeamMateOf(settings().mode, agent),

@@ -41,7 +41,7 @@ struct PlaySummary {
 };
 
 // Who sat somewhere and how far it came.
-struct Standing {
+struct Finish {
   std::uint8_t player = 0;  // index among the players of the run
   std::uint32_t weights_version = 0;
   AgentId mate = -1;         // in team modes
@@ -50,7 +50,7 @@ struct Standing {
 
 // Who came how far.
 struct GameResult {
-  std::array<Standing, kAgentCount> standings;
+  std::array<Finish, kAgentCount> finishes;
   Outcome outcome;
 };
 

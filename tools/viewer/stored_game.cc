@@ -76,7 +76,7 @@ StoredGame StoredGameFrom(const GameRecord& record) {
   if (const auto reason = Verify(record)) {
     throw Error(StrCat("the game of ticket ", record.ticket, " is not valid: ", *reason));
   }
-  StoredGame stored{.game = StartOf(record), .players = {}, .decisions = record.decisions};
+  StoredGame stored{.game = StartOf(record), .players = {}, .tracks = record.tracks};
   State state = stored.game.start;
   for (const JointAction& actions : record.actions) {
     stored.game.steps.push_back(PlayStep(stored.game.settings, actions, state));

@@ -15,7 +15,7 @@ struct StoredGame {
   RecordedGame game;
   // Who plays: "search", "simple_unbiased", ...; empty where it is not stored.
   std::array<std::string, kAgentCount> players;
-  std::vector<Decision> decisions;  // ascending by (step, agent); none if not stored
+  std::array<Track, kAgentCount> tracks;  // what the searches found; none if not stored
 };
 
 // Plays a record again, observations included where the official recorder writes them (team modes:

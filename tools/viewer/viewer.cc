@@ -137,10 +137,9 @@ std::string SearchText(const Decision& decision) {
 }
 
 std::string DecisionText(const StoredGame& stored, int step, AgentId id) {
-  const auto found = std::ranges::find_if(stored.decisions, [step, id](const Decision& decision) {
-    return decision.step == step && decision.agent == id;
-  });
-  return found == stored.decisions.end() ? "" : SearchText(*found);
+  const std::vector<Decision>& decisions = stored.tracks[id].decisions;
+  const auto found = std::ranges::find(decisions, step, &Decision::step);
+  return found == decisions.end() ? "" : SearchText(*found);
 }
 
 std::string EndLine(const RecordedGame& game) {
