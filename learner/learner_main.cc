@@ -39,6 +39,7 @@
 #include "learner/intake/session_server.h"
 #include "learner/replay/store.h"
 #include "learner/report/dashboard.h"
+#include "learner/report/figures.h"
 #include "learner/report/iteration_history.h"
 #include "learner/report/iteration_table.h"
 #include "learner/report/live_line.h"
@@ -166,8 +167,10 @@ class Display {
 
   void ShowIteration(const IterationReport& report) {
     Clear();
-    if (lines_++ % 20 == 0) std::cout << FitTable(TableHeader(), Width()) << '\n';
-    std::cout << FitTable(TableLine(report), Width()) << std::endl;
+    const std::string header = TableHeader(report, Width());
+    if (lines_++ % 20 == 0 || header != header_) std::cout << header << '\n';
+    header_ = header;
+    std::cout << TableLine(report, Width()) << std::endl;
   }
 
   void Clear() {
@@ -187,6 +190,7 @@ class Display {
   const bool terminal_;
   LiveLine live_;
   LiveLine::Clock::time_point last_plain_;
+  std::string header_;
   int lines_ = 0;
 };
 
@@ -220,7 +224,8 @@ class Learner {
         config_(ConfigOf(options)),
         store_(options.run_dir / "replay"),
         loop_(LoopSettings(options), LoopHooks()),
-        history_(options.run_dir / "iterations.csv") {
+        history_(options.run_dir / "iterations.csv", loop_.progress().iteration) {
+    StoreText(options.run_dir / "figures.tsv", FiguresText());
     const std::vector<std::uint64_t> known = LoadGames();
     log::Info("run opened", "folder", options.run_dir.string(), "games", known.size(),
               "iterations_done", loop_.progress().iteration);
@@ -271,9 +276,10 @@ class Learner {
 
   LearnerLoopHooks LoopHooks() {
     return {.publish = [this](const Snapshot& snapshot) { server_->Publish(snapshot); },
+            .iteration_trained = [this](const IterationReport& report) { history_.Append(report); },
             .iteration_done =
                 [this](const IterationReport& report) {
-                  history_.Append(report);
+                  log::Write(log::Level::kInfo, LogLine(report));
                   display_.ShowIteration(report);
                   merge_wanted_ = true;
                 }};

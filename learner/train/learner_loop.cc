@@ -116,7 +116,6 @@ LearnerLoop::LearnerLoop(LearnerLoopSettings settings, LearnerLoopHooks hooks)
   version_ = state.weights.version;
   trainer_ = std::make_unique<Trainer>(
       TrainerSettings{settings_.training, settings_.game, settings_.precision}, state);
-  csv_.emplace(settings_.folder / "iterations.csv", schedule_.iteration() + 1);
 }
 
 LearnerLoop::~LearnerLoop() = default;
@@ -214,7 +213,7 @@ bool LearnerLoop::RunIteration(const std::vector<GameRecord>& games, Seconds wai
   IterationReport report = MakeReport(iteration, data_set.summary, result);
   report.waited_s = waited.count();
   report.trained_s = Seconds(Clock::now() - start).count();
-  csv_->Append(report);
+  hooks_.iteration_trained(report);
   const TrainerState state = trainer_->state(version_ + 1);
   checkpoints_.Save({.data_sets = schedule_.data_sets(), .trainer = state});
   {
@@ -223,11 +222,6 @@ bool LearnerLoop::RunIteration(const std::vector<GameRecord>& games, Seconds wai
     training_progress_ = {};
   }
   Publish(state);
-  log::Info("iteration done", "iteration", iteration, "games", report.games, "decisions",
-            report.decisions, "wins", report.score.wins, "ties", report.score.ties, "losses",
-            report.score.losses, "loss", report.total_loss, "policy_accuracy",
-            report.policy_accuracy, "samples_per_s", std::llround(report.samples_per_s), "waited_s",
-            report.waited_s, "trained_s", report.trained_s);
   hooks_.iteration_done(report);
   return true;
 }
