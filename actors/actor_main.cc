@@ -78,7 +78,7 @@ SelfPlaySettings SettingsOf(const Arguments& arguments) {
   std::random_device entropy;
   SelfPlaySettings settings;
   settings.session.run_id = arguments.run_id;
-  settings.session.build = "powderkeg 0.1.0";
+  settings.session.build = "powderkeg " POWDERKEG_VERSION;
   settings.session.name = arguments.name;
   settings.session.incarnation = std::uint64_t{entropy()} << 32 | entropy();
   settings.session.loops = arguments.loops;

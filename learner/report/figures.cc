@@ -71,6 +71,11 @@ double Exams(const Report& report) {
   return report.exams.games() > 0 ? static_cast<double>(report.exams.*kResult) : kAbsent;
 }
 
+template <double Report::*kMember>
+double HeldOut(const Report& report) {
+  return report.held_out_samples > 0 ? report.*kMember : kAbsent;
+}
+
 double ExamGames(const Report& report) {
   const std::uint64_t games = report.exams.games();
   return games > 0 ? static_cast<double>(games) : kAbsent;
@@ -150,6 +155,14 @@ constexpr Figure kIterationFigures[] = {
      "Mean loss of the value in its training.", "value", &kValueLoss},
     {"policy_accuracy", Of<&Report::policy_accuracy>, "%", "%5.1f", "agreement",
      "How often the network's best action was the target's.", "agree %", &kAgreement},
+    {"held_out_policy_loss", HeldOut<&Report::held_out_policy_loss>, "", "%6.3f",
+     "held-out policy loss", "Mean loss of the policy on games that are held out.",
+     "held-out policy", &kPolicyLoss},
+    {"held_out_value_loss", HeldOut<&Report::held_out_value_loss>, "", "%5.3f",
+     "held-out value loss", "Mean loss of the value on games that are held out.", "held-out value",
+     &kValueLoss},
+    {"held_out_accuracy", HeldOut<&Report::held_out_accuracy>, "%", "%5.1f", "held-out agreement",
+     "The agreement on games that are held out.", "held-out agree %", &kAgreement},
     {"weights_lag", Of<&Report::weights_lag>, "", "%3.1f", "lag",
      "Mean age of the weights that its games started with, in versions.", "lag"},
     {"samples_per_s", Of<&Report::samples_per_s>, "", "%9.0f", "samples/s",

@@ -1,10 +1,8 @@
 #include "learner/report/iteration_history.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <span>
 #include <sstream>
 #include <string_view>
@@ -13,6 +11,7 @@
 #include "common/base/check.h"
 #include "common/base/digest.h"
 #include "common/base/durable_file.h"
+#include "common/base/format.h"
 #include "common/base/log.h"
 #include "learner/report/figures.h"
 
@@ -43,10 +42,8 @@ std::string LineOf(std::span<const std::string> cells) {
 // All digits of a whole number, else six; nothing of what is absent.
 std::string Text(double value) {
   if (!std::isfinite(value)) return "";
-  std::array<char, 32> text;
   const bool whole = value == std::trunc(value) && std::abs(value) < 1e15;
-  std::snprintf(text.data(), text.size(), whole ? "%.0f" : "%.6g", value);
-  return text.data();
+  return Format(whole ? "%.0f" : "%.6g", value);
 }
 
 // nullopt: the text is no number.

@@ -1,12 +1,11 @@
 #include "learner/report/iteration_table.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <string_view>
 #include <vector>
 
+#include "common/base/format.h"
 #include "common/base/log.h"
 #include "learner/report/figures.h"
 
@@ -21,10 +20,7 @@ struct Column {
 };
 
 std::string Cell(const Figure& figure, double value) {
-  std::array<char, 32> text;
-  const double shown = std::string_view(figure.unit) == "%" ? 100 * value : value;
-  std::snprintf(text.data(), text.size(), figure.format, shown);
-  return text.data();
+  return Format(figure.format, std::string_view(figure.unit) == "%" ? 100 * value : value);
 }
 
 // Those that fit, two spaces apart.

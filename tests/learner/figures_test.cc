@@ -29,6 +29,7 @@ using testing::Not;
 IterationReport WholeReport() {
   IterationReport report = ReportOf(2);
   report.exams = {.wins = 10, .ties = 6, .losses = 4};
+  report.held_out_samples = 100;
   return report;
 }
 

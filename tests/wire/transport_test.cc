@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "common/base/check.h"
-#include "common/wire/in_process_transport.h"
 #include "common/wire/messages.h"
 #include "common/wire/zmq_transport.h"
+#include "tests/wire/in_process_transport.h"
 
 namespace powderkeg {
 namespace {
