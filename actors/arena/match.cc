@@ -264,11 +264,4 @@ void MatchPlayer::KeepFirst(std::size_t games) {
   match_.games.resize(games);
 }
 
-Match PlayMatch(const Lineup& lineup, const MatchSettings& settings, const ModelLoader& loader,
-                const std::function<void(const PlayedGame&)>& on_game) {
-  MatchPlayer player(lineup, settings, loader);
-  player.Play(settings.games, {.on_game = on_game, .is_enough = nullptr});
-  return player.match();
-}
-
 }  // namespace powderkeg

@@ -92,9 +92,4 @@ class MatchPlayer {
   Match match_;
 };
 
-// A whole match in one go.
-[[nodiscard]] Match PlayMatch(const Lineup& lineup, const MatchSettings& settings,
-                              const ModelLoader& loader,
-                              const std::function<void(const PlayedGame&)>& on_game);
-
 }  // namespace powderkeg

@@ -56,8 +56,6 @@ class Game {
   // Complete once Gather returned false. `evaluator` and `weights_version` are those of the first
   // searching seat at the start of the game.
   [[nodiscard]] const GameRecord& record() const { return record_; }
-  // Moves the record out of a finished game.
-  [[nodiscard]] GameRecord TakeRecord() { return std::move(record_); }
   [[nodiscard]] const SeatStatistics& statistics(AgentId seat) const { return statistics_[seat]; }
 
  private:

@@ -13,8 +13,6 @@
 namespace powderkeg {
 namespace {
 
-constexpr std::array<std::string_view, kActionCount> kActionNames = {"stop", "up",    "down",
-                                                                     "left", "right", "bomb"};
 constexpr std::string_view kResetColour = "\033[0m";
 
 // --- Cells --------------------------------------------------------------------------------------

@@ -502,29 +502,7 @@ bool RecordedGameReader::Next(RecordedGame& game) {
   return true;
 }
 
-State StateFromRecorded(std::string_view json) { return ReadState(ParseJson(json)); }
-
 std::string RecordedFrom(const State& state) { return WriteState(state).dump(); }
-
-RecordedObservation ObservationFromRecorded(std::string_view json, AgentId self) {
-  return ReadObservation(ParseJson(json), self);
-}
-
-State StartBoardFromRecorded(std::string_view json) {
-  const Json start = ParseJson(json);
-  const auto board = Digits(Field(start, "b"));
-  State state;
-  ReadBoard(board, state);
-  ReadHiddenItems(Field(start, "it"), state);
-  for (AgentId id = 0; id < kAgentCount; ++id) {
-    const auto found = std::ranges::find(board, static_cast<std::uint8_t>(AgentValue(id)));
-    if (found == board.end()) continue;
-    state.agents[id].cell = static_cast<std::uint8_t>(found - board.begin());
-    state.agents[id].alive = true;
-  }
-  CheckBoard(board, state);
-  return state;
-}
 
 RecordedObservation OfficialObservation(const GameSettings& settings, const State& state,
                                         AgentId self) {

@@ -79,19 +79,9 @@ class RecordedGameReader {
   int line_number_ = 0;
 };
 
-// A recorded state as JSON text ({"n":..,"b":..,"ag":..,"bo":..,"fl":..,"it":..}) and back. The
-// board text "b" is derived from the position, and on reading must agree with it. Messages are not
-// part of a recorded state. Throws Error on malformed text.
-[[nodiscard]] State StateFromRecorded(std::string_view json);
+// A position as JSON text, as in recorded games ({"n":..,"b":..,"ag":..,"bo":..,"fl":..,"it":..});
+// without messages.
 [[nodiscard]] std::string RecordedFrom(const State& state);
-
-// A recorded observation as JSON text and back. Throws Error on malformed text. `self` is not part
-// of it: an agent finds itself on the board only as long as it lives.
-[[nodiscard]] RecordedObservation ObservationFromRecorded(std::string_view json, AgentId self);
-
-// A line of start_boards.jsonl: board and hidden items, everybody alive with what agents start
-// with. Throws Error on malformed text.
-[[nodiscard]] State StartBoardFromRecorded(std::string_view json);
 
 // What the official environment shows an agent.
 [[nodiscard]] RecordedObservation OfficialObservation(const GameSettings& settings,

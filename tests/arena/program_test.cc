@@ -171,7 +171,7 @@ TEST_F(ArenaProgram, StopsWithThePositionWhereANetworkAnswersNoNumber) {
   ExpectRefused("--precision fp32 --games 50 --agent " + agent + " --position-file " + position,
                 "agent " + agent + ": evaluator ", /*progress_lines=*/1);
   const State state = FromText(TextOf("position.txt"));
-  EXPECT_GT(state.AliveCount(), 1);
+  EXPECT_GT(state.AgentCells().Count(), 1);
 }
 
 TEST_F(ArenaProgram, RefusesFilesThatItCannotWrite) {

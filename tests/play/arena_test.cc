@@ -24,8 +24,11 @@ Lineup LineupOf(const std::string& agent, const std::string& opponents) {
   return {ParseAgent(agent), ParseAgent(opponents), ParseAgent(opponents), ParseAgent(opponents)};
 }
 
-Match PlayQuietly(const Lineup& lineup, const MatchSettings& settings) {
-  return PlayMatch(lineup, settings, kNoModels, [](const PlayedGame&) {});
+Match PlayQuietly(const Lineup& lineup, const MatchSettings& settings,
+                  const ModelLoader& loader = kNoModels) {
+  MatchPlayer player(lineup, settings, loader);
+  player.Play(settings.games, {.on_game = [](const PlayedGame&) {}, .is_enough = nullptr});
+  return player.match();
 }
 
 std::vector<std::array<int, 3>> FiguresOf(const Match& match) {
@@ -126,8 +129,7 @@ TEST(Match, StopsWithThePositionWhereANetworkAnswersNoNumber) {
   MatchSettings settings{.games = 1000, .threads = 1};
   settings.position_file = path;
   try {
-    (void)PlayMatch(LineupOf("raw:model=broken", "idle"), settings, loader,
-                    [](const PlayedGame&) {});
+    (void)PlayQuietly(LineupOf("raw:model=broken", "idle"), settings, loader);
     FAIL();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr("agent raw:model=broken: evaluator failing answered"));
@@ -147,8 +149,7 @@ TEST(Match, StopsAllThreadsForTheErrorOfOne) {
   MatchSettings settings{.games = 1'000'000, .threads = 4};
   settings.position_file = "/absent/position.txt";
   try {
-    (void)PlayMatch(LineupOf("search:simulations=2,model=broken", "idle"), settings, loader,
-                    [](const PlayedGame&) {});
+    (void)PlayQuietly(LineupOf("search:simulations=2,model=broken", "idle"), settings, loader);
     FAIL();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr("could not be saved in /absent/position.txt"));

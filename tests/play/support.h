@@ -103,7 +103,7 @@ inline GameRecord PlayGame(const GamePlan& plan) {
     game.Scatter(batches);
     batches.Clear();
   }
-  return game.TakeRecord();
+  return game.record();
 }
 
 // Gives out one plan per ticket and keeps the records, by ticket.
@@ -118,8 +118,7 @@ class ListHost : public GameHost {
     return plan;
   }
   void GameFinished(int /*slot*/, Game& game) override {
-    const std::uint64_t ticket = game.record().ticket;
-    records[ticket] = game.TakeRecord();
+    records[game.record().ticket] = game.record();
   }
   [[nodiscard]] virtual GamePlan PlanOf(int slot, std::uint64_t ticket) = 0;
 

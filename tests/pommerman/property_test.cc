@@ -28,7 +28,7 @@ void ExpectBombsConsistent(const State& state) {
 }
 
 void ExpectAgentsApart(const State& state) {
-  ASSERT_EQ(state.AgentCells().Count(), state.AliveCount());
+  ASSERT_EQ(state.AgentCells().Count(), std::ranges::count(state.agents, true, &AgentState::alive));
   ASSERT_TRUE((state.AgentCells() & (state.rigid | state.wood | state.VisibleItems())).Empty());
 }
 

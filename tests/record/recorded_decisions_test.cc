@@ -55,7 +55,7 @@ TEST(RecordedDecisionsTest, ReadsWhatTheAgentSaw) {
   EXPECT_EQ(record.self, 1);
   EXPECT_EQ(record.state.agents[1].cell, CellAt(9, 7));
   EXPECT_EQ(record.state.agents[1].ammo, 0);
-  EXPECT_EQ(record.state.AliveCount(), 4);
+  EXPECT_EQ(record.state.AgentCells().Count(), 4);
   EXPECT_EQ(record.state.bomb_count, 3);
   EXPECT_EQ(record.state.BombAt(4)->life, 2);
   EXPECT_EQ(record.visible, BitBoard::All());
