@@ -202,8 +202,8 @@ std::vector<Contender> ContendersOf(const Arguments& arguments, const MatchSetti
                                     std::vector<ContestResult> results) {
   std::vector<Contender> contenders;
   for (std::size_t i = 0; i < results.size(); ++i) {
-    const AgentDescription& agent = lineups[i][0];
-    const bool searches = agent.kind == AgentDescription::Kind::kSearch;
+    const AgentSpec& agent = lineups[i][0];
+    const bool searches = agent.kind == AgentSpec::Kind::kSearch;
     Contender contender{.agent = agent.text,
                         .opponents = Joined(arguments.opponents),
                         .simulations = searches ? agent.search.simulations : 0,

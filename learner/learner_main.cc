@@ -254,16 +254,11 @@ class Learner {
 
  private:
   LearnerLoopSettings LoopSettings(const Options& options) const {
-    const auto game = GameSettingsFor(config_.self_play.environment);
-    if (!game) {
-      throw Error(StrCat("environment is '", config_.self_play.environment, "', expected one of ",
-                         KnownEnvironmentIds()));
-    }
     LearnerLoopSettings settings;
     RunConfig tied = config_;
     TieOutcomesToSearch(tied);
     settings.training = tied.training;
-    settings.game = *game;
+    settings.game = GameOf(config_.self_play);
     settings.folder = options.run_dir;
     settings.seed = config_.self_play.seed;
     return settings;

@@ -33,7 +33,7 @@ int GamesInFlight(const MatchSettings& settings, const Lineup& lineup) {
   if (settings.games_in_flight > 0) return settings.games_in_flight;
   constexpr int kWithModel = 16;
   const bool plain =
-      std::ranges::all_of(lineup, &std::string::empty, &AgentDescription::model_file);
+      std::ranges::all_of(lineup, &std::string::empty, &AgentSpec::model_file);
   return plain ? 1 : kWithModel;
 }
 
@@ -117,7 +117,7 @@ class MatchThread final : public GameHost {
         settings_(settings),
         roles_(roles),
         slots_(static_cast<std::size_t>(settings.games_in_flight)) {
-    for (const AgentDescription& description : lineup) {
+    for (const AgentSpec& description : lineup) {
       if (!models_.contains(description.model_file)) {
         models_[description.model_file] = MakeModel(description.model_file, loader);
       }
@@ -194,7 +194,7 @@ class MatchThread final : public GameHost {
     return moves;
   }
 
-  Player PlayerOf(int slot, int role) {
+  SeatedAgent PlayerOf(int slot, int role) {
     std::unique_ptr<Agent>& agent = slots_[static_cast<std::size_t>(slot)][role];
     if (agent == nullptr) agent = MakeAgent(lineup_[role]);
     return {agent.get(), models_.at(lineup_[role].model_file)};
@@ -202,7 +202,7 @@ class MatchThread final : public GameHost {
 
   // The first agent, by role, that the evaluator answers.
   [[nodiscard]] std::string AgentOf(const Evaluator* evaluator) const {
-    const auto agent = std::ranges::find_if(lineup_, [&](const AgentDescription& description) {
+    const auto agent = std::ranges::find_if(lineup_, [&](const AgentSpec& description) {
       return models_.at(description.model_file).evaluator.get() == evaluator;
     });
     return agent == lineup_.end() ? "unknown" : agent->text;
@@ -224,9 +224,9 @@ GameSetup SetupOf(const MatchSettings& settings, const Lineup& lineup, int numbe
   setup.seed = Rng(settings.seed).Split(static_cast<std::uint64_t>(number)).Next();
   const int seats = SeatCount(settings.game);
   for (int role = 0; role < seats; ++role) {
-    const AgentDescription& description = lineup[role];
+    const AgentSpec& description = lineup[role];
     setup.seats[SeatOf(role, number, seats)] = {
-        .searches = description.kind != AgentDescription::Kind::kRuleBased,
+        .searches = description.kind != AgentSpec::Kind::kRuleBased,
         .policy = description.policy};
   }
   return setup;

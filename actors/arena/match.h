@@ -20,7 +20,7 @@ namespace powderkeg {
 // Who plays: role r sits in seat (r + number of the game) mod the number of seats, so that everyone
 // plays every seat and neighbours stay neighbours. In team modes roles 0 and 2 are mates. Roles
 // without a seat (one against one) are ignored. Role 0 is the agent that is measured.
-using Lineup = std::array<AgentDescription, kAgentCount>;
+using Lineup = std::array<AgentSpec, kAgentCount>;
 
 struct MatchSettings {
   GameSettings game = {};

@@ -19,7 +19,7 @@ void Game::Start(const GamePlan& plan) {
   watcher_ = {};
   recent_cells_ = {};
   for (AgentId seat = kAgentCount - 1; seat >= 0; --seat) {
-    const Player& player = plan_.players[seat];
+    const SeatedAgent& player = plan_.players[seat];
     if (!setup.seats[seat].searches) {
       rule_based_[seat] = RuleBasedSeat(setup, seat);
       continue;
@@ -44,14 +44,14 @@ bool Game::Gather(EvaluationBatches& batches) {
 void Game::Scatter(EvaluationBatches& batches) {
   for (AgentId seat = 0; seat < kAgentCount; ++seat) {
     if (phases_[seat] != Phase::kAsking) continue;
-    const Player& player = plan_.players[seat];
+    const SeatedAgent& player = plan_.players[seat];
     player.agent->Scatter(batches.For(*player.model.evaluator));
     phases_[seat] = Phase::kThinking;
   }
 }
 
 void Game::SetModel(const Model& model) {
-  for (Player& player : plan_.players) {
+  for (SeatedAgent& player : plan_.players) {
     if (player.agent != nullptr) player.model = model;
   }
 }
@@ -78,7 +78,7 @@ bool Game::GatherMoves(EvaluationBatches& batches) {
   bool asking = false;
   for (AgentId seat = 0; seat < kAgentCount; ++seat) {
     if (phases_[seat] != Phase::kThinking) continue;
-    const Player& player = plan_.players[seat];
+    const SeatedAgent& player = plan_.players[seat];
     if (player.agent->Gather(batches.For(*player.model.evaluator))) {
       phases_[seat] = Phase::kAsking;
       asking = true;
@@ -120,7 +120,7 @@ void Game::RecordMove(AgentId seat) {
   ++statistics.actions[static_cast<std::size_t>(actions_[seat])];
   CountCell(state_.agents[seat].cell, recent_cells_[seat], statistics);
   if (!plan_.setup.seats[seat].searches) return;
-  const Player& player = plan_.players[seat];
+  const SeatedAgent& player = plan_.players[seat];
   if (std::optional<Decision> decision = player.agent->decision()) {
     decision->step = state_.step;
     decision->agent = static_cast<std::uint8_t>(seat);

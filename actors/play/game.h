@@ -16,7 +16,7 @@ namespace powderkeg {
 
 // Who moves for a seat that searches: an agent of the caller, used by this game alone, and whoever
 // answers it.
-struct Player {
+struct SeatedAgent {
   Agent* agent = nullptr;
   Model model;
 };
@@ -25,7 +25,7 @@ struct Player {
 struct GamePlan {
   std::uint64_t ticket = 0;
   GameSetup setup;
-  std::array<Player, kAgentCount> players;  // an agent exactly where setup.seats[i].searches
+  std::array<SeatedAgent, kAgentCount> players;  // an agent exactly where setup.seats[i].searches
   enum class End : std::uint8_t {
     kOfficial,         // play on until the environment is done
     kLastSearchDeath,  // or until no searching seat lives

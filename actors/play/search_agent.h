@@ -7,7 +7,7 @@
 #include "actors/play/agent.h"
 #include "actors/search/opponent_models.h"
 #include "actors/search/search.h"
-#include "actors/search/search_settings.h"
+#include "common/config/search_settings.h"
 #include "common/pommerman/belief.h"
 
 namespace powderkeg {

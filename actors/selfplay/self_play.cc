@@ -111,7 +111,7 @@ void SelfPlay::RunLoop(const std::stop_token& stop, const Welcome& welcome, std:
     if (newest != weights || !host.model().evaluator) {
       weights = newest;
       host.SetModel(ModelFor(config, weights, make_evaluator_));
-      if (config.weights_swap == "at_once") games.SetModel(host.model());
+      if (config.weights_swap == WeightsSwap::kAtOnce) games.SetModel(host.model());
     }
     const bool playing = games.RunRound();
     if (const auto now = Clock::now(); now - reported >= kReport || !playing) {

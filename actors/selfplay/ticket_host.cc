@@ -16,8 +16,7 @@ TicketHost::TicketHost(const Welcome& welcome, TicketBook& tickets, Outbox& outb
       outbox_(outbox),
       game_added_(std::move(game_added)),
       slots_(static_cast<std::size_t>(config_.games_in_flight)) {
-  const SearchSettings search = SearchSettingsFrom(config_.search);
-  for (Slot& slot : slots_) slot.agent = std::make_unique<SearchAgent>(search);
+  for (Slot& slot : slots_) slot.agent = std::make_unique<SearchAgent>(config_.search);
 }
 
 TicketHost::~TicketHost() {

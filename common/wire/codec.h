@@ -36,7 +36,6 @@ using Decoded = std::variant<T, Malformed>;
 // Checks the checksum and that the tickets agree.
 [[nodiscard]] Decoded<GameRecord> Unseal(const SealedGame& game);
 
-// Throws Error if a Welcome holds a search option that proto/config.proto does not know.
 [[nodiscard]] std::string Encode(const WireMessage& message);
 [[nodiscard]] Decoded<WireMessage> Decode(std::string_view bytes);
 
