@@ -7,6 +7,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <optional>
@@ -18,6 +19,7 @@
 #include "actors/selfplay/self_play.h"
 #include "common/base/check.h"
 #include "common/base/log.h"
+#include "common/base/name.h"
 #include "common/base/worker.h"
 #include "common/wire/zmq_transport.h"
 
@@ -51,7 +53,7 @@ std::string DefaultName() {
 void AddOptions(CLI::App& app, Arguments& arguments) {
   arguments.name = DefaultName();
   app.add_option("--learner", arguments.learner, "tcp://HOST:PORT or ipc://PATH")->required();
-  app.add_option("--name", arguments.name, "unique in the run: letters, digits, '.', '_', '-'");
+  app.add_option("--name", arguments.name, "unique in the run");
   app.add_option("--loops", arguments.loops, "threads that play")->check(CLI::Range(1u, kMaxLoops));
   app.add_option("--spool", arguments.spool,
                  "folder for games that are not acknowledged; one for each actor")
@@ -119,6 +121,7 @@ void RunUntilSignal(SelfPlay& self_play, const sigset_t& signals) {
 
 // The exit code.
 int Run(const Arguments& arguments) {
+  RequireName("--name", arguments.name);
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
@@ -143,7 +146,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     return powderkeg::Run(arguments);
-  } catch (const powderkeg::Error& error) {
+  } catch (const std::exception& error) {
     powderkeg::log::Error("actor failed", "error", error.what());
     return 1;
   }

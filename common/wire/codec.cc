@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/base/name.h"
 #include "common/config/config.h"
 #include "proto/wire.pb.h"
 
@@ -156,16 +157,6 @@ bool ReadTickets(const Field& field, std::vector<std::uint64_t>& tickets) {
   return true;
 }
 
-bool IsNameCharacter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
-         c == '_' || c == '-';
-}
-
-bool IsActorName(const std::string& name) {
-  return !name.empty() && name.size() <= kMaxNameBytes &&
-         std::all_of(name.begin(), name.end(), IsNameCharacter);
-}
-
 Decoded<WireMessage> Read(const proto::Hello& message) {
   Hello hello{.protocol_version = message.protocol_version(),
               .run_id = message.run_id(),
@@ -176,7 +167,7 @@ Decoded<WireMessage> Read(const proto::Hello& message) {
               .tickets = {}};
   if (hello.run_id.size() > kMaxNameBytes) return OutOfRange("run id");
   if (hello.build.size() > kMaxNameBytes) return OutOfRange("build");
-  if (!IsActorName(hello.name)) return OutOfRange("actor name");
+  if (!IsName(hello.name)) return OutOfRange("actor name");
   if (hello.loops < 1 || hello.loops > kMaxLoops) return OutOfRange("loops");
   if (!ReadTickets(message.tickets(), hello.tickets)) return OutOfRange("number of tickets");
   return hello;
