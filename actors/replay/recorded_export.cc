@@ -1,6 +1,7 @@
 #include "actors/replay/recorded_export.h"
 
 #include <array>
+#include <span>
 #include <string_view>
 
 #include "common/base/check.h"
@@ -48,34 +49,41 @@ std::string Agents(const std::array<bool, kAgentCount>& flags, int first) {
 
 // --- Observations -------------------------------------------------------------------------------
 
-// 121 digits in quotes.
+// A digit in quotes for each cell in play.
 template <typename Cells>
-std::string Digits(const Cells& cells) {
+std::string Digits(const Cells& cells, int size) {
   std::string digits;
-  for (const auto value : cells) digits += kDigits[static_cast<int>(value)];
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      digits += kDigits[static_cast<int>(cells[CellAt(row, column)])];
+    }
+  }
   return Quoted(digits);
 }
 
-std::string ObservationText(const RecordedObservation& recorded, Mode mode) {
+std::string ObservationText(const RecordedObservation& recorded, const GameSettings& settings) {
   const Observation& seen = recorded.observation;
+  const int size = settings.board_size;
   std::string text = StrCat(
       R"({"alive":)", Agents(seen.alive, static_cast<int>(CellValue::kAgent0)), R"(,"board":)",
-      Digits(seen.board), R"(,"bomb_blast_strength":)", Digits(seen.bomb_blast_strength),
-      R"(,"bomb_life":)", Digits(seen.bomb_life), R"(,"bomb_moving_direction":)",
-      Digits(seen.bomb_moving_direction), R"(,"flame_life":)", Digits(seen.flame_life));
+      Digits(seen.board, size), R"(,"bomb_blast_strength":)",
+      Digits(seen.bomb_blast_strength, size), R"(,"bomb_life":)", Digits(seen.bomb_life, size),
+      R"(,"bomb_moving_direction":)", Digits(seen.bomb_moving_direction, size), R"(,"flame_life":)",
+      Digits(seen.flame_life, size));
   text += StrCat(R"(,"game_type":)", recorded.game_type, R"(,"game_env":)",
                  Quoted(recorded.environment), R"(,"position":[)", RowOf(seen.position), ",",
                  ColumnOf(seen.position), R"(],"blast_strength":)", int{seen.blast_strength},
                  R"(,"can_kick":)", seen.can_kick ? "true" : "false", R"(,"teammate":)",
                  kNumber(recorded.team_mate), R"(,"ammo":)", int{seen.ammo}, R"(,"enemies":)",
                  List(recorded.enemies, kNumber), R"(,"step_count":)", seen.step);
-  if (mode == Mode::kTeamRadio) text += R"(,"message":)" + List(seen.message, kNumber);
+  if (settings.mode == Mode::kTeamRadio) text += R"(,"message":)" + List(seen.message, kNumber);
   return text + "}";
 }
 
-std::string ObservationsText(const RecordedObservations& observations, Mode mode) {
-  return List(observations, [mode](const RecordedObservation& recorded) {
-    return ObservationText(recorded, mode);
+std::string ObservationsText(const RecordedObservations& observations,
+                             const GameSettings& settings) {
+  return List(observations, [&](const RecordedObservation& recorded) {
+    return ObservationText(recorded, settings);
   });
 }
 
@@ -95,20 +103,22 @@ std::string Header(const RecordedGame& game) {
              R"(,"blast_cap":)", settings.blast_strength_cap, R"(,"view":)",
              settings.view_radius == 0 ? "null" : StrCat(settings.view_radius), R"(,"collapses":)",
              CollapseSteps(settings), R"(,"tag":)", Quoted(game.tag), R"(,"state":)",
-             RecordedFrom(game.start));
+             RecordedFrom(settings, game.start));
   if (settings.mode == Mode::kTeamRadio) line += R"(,"words":)" + Words(game.start.messages);
   if (game.observations) {
-    line += R"(,"obs":)" + ObservationsText(*game.observations, settings.mode);
+    line += R"(,"obs":)" + ObservationsText(*game.observations, settings);
   }
   return line + "}\n";
 }
 
-std::string StepLine(const RecordedStep& step, Mode mode) {
-  std::string line = R"({"t":"step","a":)" + List(step.actions, kNumber);
-  if (mode == Mode::kTeamRadio) line += R"(,"m":)" + Words(step.messages);
-  line += StrCat(R"(,"s":)", RecordedFrom(step.state), R"(,"r":)", List(step.rewards, kNumber),
-                 R"(,"d":)", step.done ? "true" : "false");
-  if (step.observations) line += R"(,"o":)" + ObservationsText(*step.observations, mode);
+std::string StepLine(const RecordedStep& step, const GameSettings& settings) {
+  const auto seats = static_cast<std::size_t>(SeatCount(settings.mode));
+  std::string line = R"({"t":"step","a":)" + List(std::span(step.actions).first(seats), kNumber);
+  if (settings.mode == Mode::kTeamRadio) line += R"(,"m":)" + Words(step.messages);
+  line += StrCat(R"(,"s":)", RecordedFrom(settings, step.state), R"(,"r":)",
+                 List(std::span(step.rewards).first(seats), kNumber), R"(,"d":)",
+                 step.done ? "true" : "false");
+  if (step.observations) line += R"(,"o":)" + ObservationsText(*step.observations, settings);
   return line + "}\n";
 }
 
@@ -128,10 +138,10 @@ std::string EndLine(const RecordedGame& game) {
 std::string RecordedLines(const RecordedGame& game) {
   if (!game.Known()) {
     throw Error(StrCat("cannot export ", game.id, ": mode \"", game.mode,
-                       "\", expected ffa, team or radio"));
+                       "\", expected ffa, team, radio or one_vs_one"));
   }
   std::string lines = Header(game);
-  for (const RecordedStep& step : game.steps) lines += StepLine(step, game.settings.mode);
+  for (const RecordedStep& step : game.steps) lines += StepLine(step, game.settings);
   return lines + EndLine(game);
 }
 

@@ -1,6 +1,7 @@
 #include "common/record/recorded_format.h"
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -28,9 +29,10 @@ Json ParseJson(std::string_view text) {
 }
 
 int Number(const Json& json, int lowest, int highest) {
-  if (json.is_number_integer()) {
-    const auto value = json.get<std::int64_t>();
-    if (value >= lowest && value <= highest) return static_cast<int>(value);
+  if (json.is_number()) {
+    const auto value = json.get<double>();
+    const bool fits = value >= lowest && value <= highest;
+    if (fits && value == static_cast<int>(value)) return static_cast<int>(value);
   }
   throw Error(StrCat(json.dump(), " is no whole number from ", lowest, " to ", highest));
 }
@@ -72,17 +74,34 @@ Item ItemOf(const Json& json) {
 
 constexpr std::string_view kDigits = "0123456789abcdefghijklmnopqrstuvwxyz";
 
-// 121 base-36 digits.
-std::array<std::uint8_t, kCellCount> Digits(const Json& json) {
+constexpr int kSmallBoardSize = 8;
+
+// A base-36 digit for each cell; `beyond` a small board.
+std::array<std::uint8_t, kCellCount> Digits(const Json& json, CellValue beyond = {}) {
   const std::string text = Text(json);
+  const int size = text.size() == kCellCount ? kBoardSize : kSmallBoardSize;
+  if (static_cast<int>(text.size()) != size * size) {
+    throw Error(StrCat("board of ", text.size(), " cells"));
+  }
   std::array<std::uint8_t, kCellCount> digits{};
-  if (text.size() != digits.size()) throw Error(StrCat("board of ", text.size(), " cells"));
-  for (std::size_t i = 0; i < digits.size(); ++i) {
-    const std::size_t digit = kDigits.find(text[i]);
-    if (digit == std::string_view::npos) throw Error(StrCat("board has a cell '", text[i], '\''));
-    digits[i] = static_cast<std::uint8_t>(digit);
+  digits.fill(static_cast<std::uint8_t>(beyond));
+  for (int i = 0; i < size * size; ++i) {
+    const std::size_t digit = kDigits.find(text[static_cast<std::size_t>(i)]);
+    if (digit == std::string_view::npos)
+      throw Error(StrCat("board has a cell '", text[static_cast<std::size_t>(i)], '\''));
+    digits[CellAt(i / size, i % size)] = static_cast<std::uint8_t>(digit);
   }
   return digits;
+}
+
+std::array<std::uint8_t, kCellCount> BoardOf(const Json& json) {
+  return Digits(json, CellValue::kRigid);
+}
+
+// One value for each agent that plays.
+const Json& SeatList(const Json& json) {
+  if (json.is_array() && json.size() == SeatCount(Mode::kOneVsOne)) return json;
+  return List(json, kAgentCount);
 }
 
 CellValue CellValueOf(int digit) {
@@ -156,11 +175,11 @@ void CheckBoard(const std::array<std::uint8_t, kCellCount>& board, const State& 
 
 State ReadState(const Json& json) {
   State state;
-  const auto board = Digits(Field(json, "b"));
+  const auto board = BoardOf(Field(json, "b"));
   ReadBoard(board, state);
   state.step = NumberOf<std::uint16_t>(Field(json, "n"));
-  const Json& agents = List(Field(json, "ag"), kAgentCount);
-  for (AgentId id = 0; id < kAgentCount; ++id) state.agents[id] = ReadAgent(agents[id]);
+  const Json& agents = SeatList(Field(json, "ag"));
+  std::ranges::transform(agents, state.agents.begin(), ReadAgent);
   ReadBombs(Field(json, "bo"), state);
   ReadFlames(Field(json, "fl"), state);
   ReadHiddenItems(Field(json, "it"), state);
@@ -168,17 +187,19 @@ State ReadState(const Json& json) {
   return state;
 }
 
-std::string BoardDigits(const State& state) {
+std::string BoardDigits(const GameSettings& settings, const State& state) {
   std::string digits;
-  for (Cell cell = 0; cell < kCellCount; ++cell) {
+  for (int i = 0; i < settings.board_size * settings.board_size; ++i) {
+    const Cell cell = CellAt(i / settings.board_size, i % settings.board_size);
     digits += kDigits[static_cast<int>(state.ValueAt(cell))];
   }
   return digits;
 }
 
-Json WriteState(const State& state) {
+Json WriteState(const GameSettings& settings, const State& state) {
   Json agents = Json::array();
-  for (const AgentState& agent : state.agents) {
+  for (AgentId id = 0; id < SeatCount(settings.mode); ++id) {
+    const AgentState& agent = state.agents[id];
     agents.push_back({RowOf(agent.cell), ColumnOf(agent.cell), int{agent.alive}, agent.ammo,
                       agent.blast_strength, int{agent.can_kick}});
   }
@@ -200,8 +221,8 @@ Json WriteState(const State& state) {
     items.push_back(
         {RowOf(cell), ColumnOf(cell), kBeforeFirst + static_cast<int>(state.ItemAt(cell))});
   });
-  return {{"n", state.step},        {"b", BoardDigits(state)}, {"ag", std::move(agents)},
-          {"bo", std::move(bombs)}, {"fl", std::move(flames)}, {"it", std::move(items)}};
+  return {{"n", state.step},        {"b", BoardDigits(settings, state)}, {"ag", std::move(agents)},
+          {"bo", std::move(bombs)}, {"fl", std::move(flames)},           {"it", std::move(items)}};
 }
 
 // ---- Observations ----
@@ -212,7 +233,7 @@ Message ReadMessage(const Json& json) {
 }
 
 void ReadCells(const Json& json, Observation& observation) {
-  const auto board = Digits(Field(json, "board"));
+  const auto board = BoardOf(Field(json, "board"));
   const auto directions = Digits(Field(json, "bomb_moving_direction"));
   for (Cell cell = 0; cell < kCellCount; ++cell) {
     observation.board[cell] = CellValueOf(board[cell]);
@@ -246,17 +267,18 @@ RecordedObservation ReadObservation(const Json& json, AgentId self) {
   observation.step = NumberOf<std::uint16_t>(Field(json, "step_count"));
   if (json.contains("message")) observation.message = ReadMessage(json.at("message"));
   recorded.team_mate = ReadCellValue(Field(json, "teammate"));
-  const Json& enemies = List(Field(json, "enemies"), recorded.enemies.size());
-  std::ranges::transform(enemies, recorded.enemies.begin(), ReadCellValue);
+  const Json& enemies = List(Field(json, "enemies"), 0, kAgentCount - 1);
+  std::ranges::transform(enemies, std::back_inserter(recorded.enemies), ReadCellValue);
   recorded.game_type = Number(Field(json, "game_type"), 1, 4);
   recorded.environment = Text(Field(json, "game_env"));
   return recorded;
 }
 
 RecordedObservations ReadObservations(const Json& json) {
-  List(json, kAgentCount);
   RecordedObservations observations;
-  for (AgentId id = 0; id < kAgentCount; ++id) observations[id] = ReadObservation(json[id], id);
+  for (const Json& seen : SeatList(json)) {
+    observations.push_back(ReadObservation(seen, static_cast<AgentId>(observations.size())));
+  }
   return observations;
 }
 
@@ -264,12 +286,14 @@ RecordedObservations ReadObservations(const Json& json) {
 
 Mode ModeOf(std::string_view name) {
   if (name == "ffa") return Mode::kFreeForAll;
+  if (name == "one_vs_one") return Mode::kOneVsOne;
   return name == "team" ? Mode::kTeam : Mode::kTeamRadio;
 }
 
 GameSettings ReadSettings(const Json& header, std::string_view mode) {
   GameSettings settings;
   settings.mode = ModeOf(mode);
+  if (settings.mode == Mode::kOneVsOne) settings.board_size = kSmallBoardSize;
   settings.max_steps = Number(Field(header, "max_steps"), 1, UINT16_MAX);
   settings.blast_strength_cap = Number(Field(header, "blast_cap"), 1, UINT8_MAX);
   const Json& view = Field(header, "view");
@@ -311,12 +335,12 @@ void KeepWordsOfLiving(const State& before, std::array<Message, kAgentCount>& me
 
 RecordedStep ReadStep(const Json& json, const State& before) {
   RecordedStep step;
-  const Json& actions = List(Field(json, "a"), kAgentCount);
-  const Json& rewards = List(Field(json, "r"), kAgentCount);
-  for (AgentId id = 0; id < kAgentCount; ++id) {
-    step.actions[id] = static_cast<Action>(Number(actions[id], 0, kActionCount - 1));
-    step.rewards[id] = static_cast<std::int8_t>(Number(rewards[id], -1, 1));
-  }
+  std::ranges::transform(SeatList(Field(json, "a")), step.actions.begin(), [](const Json& action) {
+    return static_cast<Action>(Number(action, 0, kActionCount - 1));
+  });
+  std::ranges::transform(SeatList(Field(json, "r")), step.rewards.begin(), [](const Json& reward) {
+    return static_cast<std::int8_t>(Number(reward, -1, 1));
+  });
   step.done = Flag(Field(json, "d"));
   if (json.contains("m")) ReadWords(json.at("m"), step.messages);
   step.state = ReadState(Field(json, "s"));
@@ -363,13 +387,12 @@ bool ReadLine(const Json& json, RecordedGame& game) {
 
 // ---- Comparing ----
 
-std::array<CellValue, 3> EnemiesOf(Mode mode, AgentId self) {
-  std::array<CellValue, 3> enemies;
-  enemies.fill(CellValue::kAgentDummy);
-  int count = 0;
-  for (AgentId other = 0; other < kAgentCount; ++other) {
-    if (AreEnemies(mode, self, other)) enemies[count++] = AgentValue(other);
+std::vector<CellValue> EnemiesOf(Mode mode, AgentId self) {
+  std::vector<CellValue> enemies;
+  for (AgentId other = 0; other < SeatCount(mode); ++other) {
+    if (AreEnemies(mode, self, other)) enemies.push_back(AgentValue(other));
   }
+  if (IsTeamMode(mode)) enemies.push_back(CellValue::kAgentDummy);
   return enemies;
 }
 
@@ -401,8 +424,10 @@ class Comparison {
   void ExpectObservations(const std::optional<RecordedObservations>& recorded,
                           const State& played) {
     if (!recorded) return;
-    for (AgentId id = 0; id < kAgentCount; ++id) {
-      ExpectObservation(id, (*recorded)[id], OfficialObservation(game_.settings, played, id));
+    AgentId id = 0;
+    for (const RecordedObservation& seen : *recorded) {
+      ExpectObservation(id, seen, OfficialObservation(game_.settings, played, id));
+      ++id;
     }
   }
 
@@ -504,7 +529,9 @@ bool RecordedGameReader::Next(RecordedGame& game) {
 
 State StateFromRecorded(std::string_view json) { return ReadState(ParseJson(json)); }
 
-std::string RecordedFrom(const State& state) { return WriteState(state).dump(); }
+std::string RecordedFrom(const GameSettings& settings, const State& state) {
+  return WriteState(settings, state).dump();
+}
 
 RecordedObservation ObservationFromRecorded(std::string_view json, AgentId self) {
   return ReadObservation(ParseJson(json), self);
@@ -512,7 +539,7 @@ RecordedObservation ObservationFromRecorded(std::string_view json, AgentId self)
 
 State StartBoardFromRecorded(std::string_view json) {
   const Json start = ParseJson(json);
-  const auto board = Digits(Field(start, "b"));
+  const auto board = BoardOf(Field(start, "b"));
   State state;
   ReadBoard(board, state);
   ReadHiddenItems(Field(start, "it"), state);

@@ -22,15 +22,15 @@ namespace powderkeg {
 struct RecordedObservation {
   Observation observation;
   CellValue team_mate = CellValue::kAgentDummy;
-  std::array<CellValue, 3> enemies{};
+  std::vector<CellValue> enemies;
   int game_type = 0;
   std::string environment;  // the official class, e.g. "pommerman.envs.v0:Pomme"
 
   friend bool operator==(const RecordedObservation&, const RecordedObservation&) = default;
 };
 
-// By agent id.
-using RecordedObservations = std::array<RecordedObservation, kAgentCount>;
+// By agent id, of those that play.
+using RecordedObservations = std::vector<RecordedObservation>;
 
 struct RecordedStep {
   JointAction actions{};
@@ -44,7 +44,7 @@ struct RecordedStep {
 struct RecordedGame {
   std::string id;
   std::string environment;  // the official id
-  std::string mode;         // as recorded: ffa, team or radio; others cannot be replayed
+  std::string mode;  // as recorded: ffa, team, radio or one_vs_one; others cannot be replayed
   std::string tag;
   GameSettings settings;
   State start;
@@ -55,7 +55,9 @@ struct RecordedGame {
   std::uint8_t winners = 0;  // bit i: agent i
 
   // A game of another mode is read as its id and mode alone.
-  [[nodiscard]] bool Known() const { return mode == "ffa" || mode == "team" || mode == "radio"; }
+  [[nodiscard]] bool Known() const {
+    return mode == "ffa" || mode == "team" || mode == "radio" || mode == "one_vs_one";
+  }
 };
 
 // Gives the next line; false at the end.
@@ -81,9 +83,10 @@ class RecordedGameReader {
 
 // A recorded state as JSON text ({"n":..,"b":..,"ag":..,"bo":..,"fl":..,"it":..}) and back. The
 // board text "b" is derived from the position, and on reading must agree with it. Messages are not
-// part of a recorded state. Throws Error on malformed text.
+// part of a recorded state. Throws Error on malformed text. A small board, and the two agents on
+// it, are recorded alone: beyond are rigid walls.
 [[nodiscard]] State StateFromRecorded(std::string_view json);
-[[nodiscard]] std::string RecordedFrom(const State& state);
+[[nodiscard]] std::string RecordedFrom(const GameSettings& settings, const State& state);
 
 // A recorded observation as JSON text and back. Throws Error on malformed text. `self` is not part
 // of it: an agent finds itself on the board only as long as it lives.
