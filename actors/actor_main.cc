@@ -11,7 +11,6 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
-#include <random>
 #include <string>
 #include <thread>
 
@@ -20,6 +19,7 @@
 #include "common/base/check.h"
 #include "common/base/log.h"
 #include "common/base/name.h"
+#include "common/base/unique.h"
 #include "common/base/worker.h"
 #include "common/wire/zmq_transport.h"
 
@@ -77,12 +77,11 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
 }
 
 SelfPlaySettings SettingsOf(const Arguments& arguments) {
-  std::random_device entropy;
   SelfPlaySettings settings;
   settings.session.run_id = arguments.run_id;
   settings.session.build = "powderkeg " POWDERKEG_VERSION;
   settings.session.name = arguments.name;
-  settings.session.incarnation = std::uint64_t{entropy()} << 32 | entropy();
+  settings.session.incarnation = UniqueNumber();
   settings.session.loops = arguments.loops;
   settings.session.give_up = std::chrono::seconds(arguments.give_up_s);
   settings.spool = arguments.spool;
