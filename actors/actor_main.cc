@@ -69,7 +69,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
 SelfPlaySettings SettingsOf(const Arguments& arguments) {
   SelfPlaySettings settings;
   settings.session.run_id = arguments.run_id;
-  settings.session.build = "powderkeg 0.1.0";
+  settings.session.build = "powderkeg " POWDERKEG_VERSION;
   settings.session.name = arguments.name;
   settings.session.incarnation = UniqueNumber();
   settings.session.loops = arguments.loops;

@@ -49,7 +49,7 @@ ServiceReply Played(Mode mode, const Observation& observation, Action action) {
 
 // What to play while the agent has no idea: a rule's action, which knows this observation alone.
 Action StandIn(const ActionRequest& request, Rng rng) {
-  Belief belief(request.settings, {});
+  Belief belief(request.settings);
   belief.Observe(request.observation);
   const PolicyView view{belief.state(), request.settings, belief.self(), belief.visible()};
   const PolicyTraits traits = PolicyTraits::Draw(rng);

@@ -15,10 +15,8 @@ namespace {
 constexpr int kAgent0 = static_cast<int>(CellValue::kAgent0);
 constexpr int kDummy = static_cast<int>(CellValue::kAgentDummy);
 constexpr int kMaxBlastStrength = 10;
-constexpr int kMaxAmmo = 10;
 constexpr int kFirstBlastStrength = 2;
 constexpr int kFirstAmmo = 1;
-constexpr int kFreshBombLife = 9;
 constexpr int kFreshFlameLife = 3;
 constexpr int kMaxWord = 255;  // the environment does not check words; the docs say 1..8
 

@@ -11,18 +11,6 @@
 
 namespace powderkeg {
 
-struct BeliefSettings {
-  // How the opponents' ammo, blast strength and kick are filled in.
-  enum class Statistics : std::uint8_t {
-    kTracked,    // from the bombs laid, the items picked up and the kicks seen so far
-    kWorstCase,  // blast strength at its cap, 10 bombs, kick
-  };
-  Statistics statistics = Statistics::kTracked;
-  bool remember_cells = true;  // under fog: keep walls, items, bombs and agents last seen
-
-  friend bool operator==(const BeliefSettings&, const BeliefSettings&) = default;
-};
-
 // Turns the stream of one agent's observations into the State its search steps from: hidden items
 // are unknown (none), bombs have the owner that can have laid them, opponents' statistics are
 // inferred. A value; give it every observation of a game in order, the first one included.
@@ -40,7 +28,7 @@ struct BeliefSettings {
 // any more. A bomb that comes into view is taken for that of the nearest other agent.
 class Belief {
  public:
-  Belief(const GameSettings& settings, const BeliefSettings& belief_settings);
+  explicit Belief(const GameSettings& settings) : settings_(settings) {}
 
   void Observe(const Observation& observation);
 
@@ -61,7 +49,6 @@ class Belief {
 
  private:
   GameSettings settings_;
-  BeliefSettings belief_settings_;
   State state_;
   AgentId self_ = 0;
   BitBoard visible_;

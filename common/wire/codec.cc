@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "common/base/check.h"
-#include "common/config/config_proto.h"
+#include "common/config/config.h"
 #include "proto/wire.pb.h"
 
 namespace powderkeg {
@@ -62,7 +62,7 @@ void Write(const Hello& hello, proto::Envelope& envelope) {
 void Write(const Welcome& welcome, proto::Envelope& envelope) {
   proto::Welcome& message = *envelope.mutable_welcome();
   message.set_run_id(welcome.run_id);
-  ToProto(welcome.self_play, *message.mutable_self_play());
+  message.set_self_play(ToText(welcome.self_play));
   message.set_settings_digest(ToBytes(welcome.settings_digest));
   message.set_heartbeat_ms(ToMilliseconds(welcome.heartbeat));
   message.set_dead_after_ms(ToMilliseconds(welcome.dead_after));
@@ -189,8 +189,10 @@ Decoded<WireMessage> Read(const proto::Welcome& message) {
                   .heartbeat = milliseconds(message.heartbeat_ms()),
                   .dead_after = milliseconds(message.dead_after_ms())};
   if (welcome.run_id.size() > kMaxNameBytes) return OutOfRange("run id");
-  if (const auto fault = FromProto(message.self_play(), welcome.self_play)) {
-    return Malformed{StrCat("message: ", *fault)};
+  try {
+    welcome.self_play = ParseSelfPlay(message.self_play());
+  } catch (const Error& fault) {
+    return Malformed{StrCat("message: ", fault.what())};
   }
   if (!ReadDigest(message.settings_digest(), welcome.settings_digest)) {
     return OutOfRange("settings digest");

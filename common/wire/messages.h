@@ -15,7 +15,7 @@
 
 namespace powderkeg {
 
-inline constexpr std::uint32_t kProtocolVersion = 1;
+inline constexpr std::uint32_t kProtocolVersion = 2;
 
 // Limits that both sides hold, and enforce on the other.
 inline constexpr std::size_t kMaxRecordBytes = std::size_t{1} << 20;

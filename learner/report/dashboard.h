@@ -3,6 +3,8 @@
 // A run as it looks in a browser, and what the page and other programs ask for.
 
 #include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "common/http/http_server.h"
@@ -22,5 +24,9 @@ extern const char* const kDashboardPage;
 // for long; the history must outlive the routes.
 [[nodiscard]] std::vector<HttpRoute> DashboardRoutes(const std::function<RunView()>& view,
                                                      const IterationHistory& history);
+
+// Where to serve it: ADDRESS:PORT, auto (127.0.0.1:8265 or, where that is taken, any free port) or
+// off (nullopt). Throws Error on any other text.
+[[nodiscard]] std::optional<HttpServerSettings> DashboardServer(const std::string& text);
 
 }  // namespace powderkeg

@@ -3,26 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cstdarg>
-#include <cstdio>
 #include <type_traits>
 #include <utility>
 
 #include "common/base/check.h"
 #include "common/base/digest.h"
 #include "common/base/durable_file.h"
+#include "common/base/format.h"
 
 namespace powderkeg {
 namespace {
-
-[[gnu::format(printf, 1, 2)]] std::string Format(const char* format, ...) {
-  std::array<char, 256> text;
-  std::va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text.data(), text.size(), format, arguments);
-  va_end(arguments);
-  return text.data();
-}
 
 double Share(std::uint64_t count, std::uint64_t total) {
   return total == 0 ? 0 : static_cast<double>(count) / static_cast<double>(total);

@@ -50,7 +50,7 @@ void ObserveEdited(std::string_view bytes) {
   if (bytes.empty()) return;
   const GameSettings settings = *GameSettingsFor(kEnvironments[bytes[0] & 3]);
   State state = GenerateStart(settings, {}, Rng(bytes.size()));
-  Belief belief(settings, {});
+  Belief belief(settings);
   bytes.remove_prefix(1);
   for (const std::string_view half :
        {bytes.substr(0, bytes.size() / 2), bytes.substr(bytes.size() / 2)}) {
