@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "actors/selfplay/self_play.h"
 #include "common/base/check.h"
 #include "common/base/log.h"
+#include "common/base/name.h"
 #include "common/base/unique.h"
 #include "common/base/worker.h"
 #include "common/wire/zmq_transport.h"
@@ -43,7 +45,7 @@ constexpr int kGaveUp = 75;
 void AddOptions(CLI::App& app, Arguments& arguments) {
   arguments.name = HostName().empty() ? "actor" : HostName();
   app.add_option("--learner", arguments.learner, "tcp://HOST:PORT or ipc://PATH")->required();
-  app.add_option("--name", arguments.name, "unique in the run: letters, digits, '.', '_', '-'");
+  app.add_option("--name", arguments.name, "unique in the run");
   app.add_option("--loops", arguments.loops, "threads that play")->check(CLI::Range(1u, kMaxLoops));
   app.add_option("--spool", arguments.spool,
                  "folder for games that are not acknowledged; one for each actor")
@@ -110,6 +112,7 @@ void RunUntilSignal(SelfPlay& self_play, const sigset_t& signals) {
 
 // The exit code.
 int Run(const Arguments& arguments) {
+  RequireName("--name", arguments.name);
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
@@ -134,7 +137,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     return powderkeg::Run(arguments);
-  } catch (const powderkeg::Error& error) {
+  } catch (const std::exception& error) {
     powderkeg::log::Error("actor failed", "error", error.what());
     return 1;
   }

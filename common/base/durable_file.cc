@@ -107,10 +107,14 @@ void SyncFolder(const fs::path& folder) {
   });
 }
 
-void PrepareFolder(const fs::path& folder) {
+void CreateFolder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) Fail("create", folder, error.value());
+}
+
+void PrepareFolder(const fs::path& folder) {
+  CreateFolder(folder);
   for (const fs::path& path : FilesIn(folder)) {
     if (path.extension() == kTemporaryEnding) RemoveFile(path);
   }

@@ -26,7 +26,10 @@ void RemoveFile(const std::filesystem::path& path);
 // it says that once in the log and trusts it. Throws Error.
 void SyncFolder(const std::filesystem::path& folder);
 
-// Creates the folder and its parents if missing and deletes temporaries in it. Throws Error.
+// Creates the folder and its parents if missing. Throws Error.
+void CreateFolder(const std::filesystem::path& folder);
+
+// The same, and deletes temporaries in it. Throws Error.
 void PrepareFolder(const std::filesystem::path& folder);
 
 // Everything in `folder`, by name. Throws Error.

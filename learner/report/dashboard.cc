@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/base/check.h"
+#include "learner/report/figures.h"
 #include "learner/report/metrics.h"
 #include "learner/report/status_json.h"
 
@@ -34,6 +35,10 @@ std::vector<HttpRoute> DashboardRoutes(const std::function<RunView()>& view,
       {"GET", "/",
        [](const HttpRequest&) {
          return HttpReply{.body = kDashboardPage, .type = "text/html; charset=utf-8"};
+       }},
+      {"GET", "/figures.tsv",
+       [](const HttpRequest&) {
+         return HttpReply{.body = FiguresText(), .type = "text/tab-separated-values"};
        }},
       {"GET", "/status.json",
        [view](const HttpRequest&) { return HttpReply{.body = StatusJson(view())}; }},

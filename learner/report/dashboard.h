@@ -17,8 +17,9 @@ namespace powderkeg {
 extern const char* const kDashboardPage;
 
 //   GET /                        the page
+//   GET /figures.tsv             FiguresText: what there is to see
 //   GET /status.json             status_json.h
-//   GET /iterations.csv?after=N  IterationCsv: the rows of iterations later than N (0: all)
+//   GET /iterations.csv?after=N  IterationHistory: the rows of iterations later than N (0: all)
 //   GET /metrics                 metrics.h
 // Nothing of the run can be changed. `view` is called by several threads at once and must not wait
 // for long; the history must outlive the routes.

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <iostream>
 
+#include "learner/report/iteration_table.h"
+
 namespace powderkeg {
 
 Display::Display() : terminal_(isatty(STDOUT_FILENO) != 0) {}
@@ -28,8 +30,10 @@ void Display::ShowLine(const std::string& line) {
 
 void Display::ShowIteration(const IterationReport& report) {
   Clear();
-  if (lines_++ % 20 == 0) std::cout << FitTable(TableHeader(), Width()) << '\n';
-  std::cout << FitTable(TableLine(report), Width()) << std::endl;
+  const std::string header = TableHeader(report, Width());
+  if (lines_++ % 20 == 0 || header != header_) std::cout << header << '\n';
+  header_ = header;
+  std::cout << TableLine(report, Width()) << std::endl;
 }
 
 void Display::Clear() {

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <string>
 
-#include "learner/report/iteration_table.h"
 #include "learner/report/live_line.h"
+#include "learner/train/iteration_report.h"
 
 namespace powderkeg {
 
@@ -29,6 +29,7 @@ class Display {
   LiveLine live_;
   LiveLine::Clock::time_point last_plain_;
   int lines_ = 0;
+  std::string header_;  // of the table, as it was last shown
 };
 
 }  // namespace powderkeg

@@ -6,11 +6,15 @@
 #include <variant>
 
 #include "common/base/check.h"
+#include "common/base/digest.h"
+#include "common/base/durable_file.h"
 #include "common/base/log.h"
 #include "common/base/worker.h"
 #include "common/config/config.h"
 #include "common/wire/zmq_transport.h"
 #include "learner/report/dashboard.h"
+#include "learner/report/figures.h"
+#include "learner/report/iteration_table.h"
 
 namespace powderkeg {
 namespace {
@@ -47,15 +51,15 @@ Learner::Learner(const LearnerSettings& settings)
       config_(ConfigOfRun(settings.folder, settings.config, settings.changes)),
       store_(settings.folder / "replay"),
       loop_(LoopSettings(settings), LoopHooks()),
-      history_(settings.folder / "iterations.csv") {
+      history_(settings.folder / "iterations.csv", loop_.progress().iteration) {
   const std::vector<std::uint64_t> known = LoadGames();
   log::Info("run opened", "folder", settings.folder.string(), "games", known.size(),
             "iterations_done", loop_.progress().iteration);
   ServeActors(settings, known);
   if (settings.http) ServeHttp(*settings.http);
   StoreConfig(settings.folder, config_);  // nothing has turned out wrong
-  display_.ShowLine(StrCat(settings.folder.string(), ": ", loop_.progress().iteration, " of ",
-                           config_.training.iterations, " iterations done, ", known.size(),
+  WriteFileDurably(settings.folder / "figures.tsv", BytesOf(FiguresText()));
+  display_.ShowLine(StrCat(settings.folder.string(), ": ", IterationsDone(), ", ", known.size(),
                            " games stored"));
   display_.ShowLine(StrCat("actors connect to ", server_->endpoint()));
 }
@@ -72,10 +76,16 @@ void Learner::Run(const std::function<bool()>& stop_wanted) {
   trainer.RequestStop();
   server_->Stop({complete ? "the run is complete" : "the learner stops", complete});
   trainer.Join();
+  log::Info(complete ? "run complete" : "stopped", "iterations_done", loop_.progress().iteration);
+  display_.ShowLine(StrCat(complete ? "run complete" : "stopped", ": ", IterationsDone()));
+}
+
+// Fewer may be wanted than are done: settings can change.
+std::string Learner::IterationsDone() const {
   const int done = loop_.progress().iteration;
-  log::Info(complete ? "run complete" : "stopped", "iterations_done", done);
-  display_.ShowLine(StrCat(complete ? "run complete" : "stopped", ": ", done, " of ",
-                           config_.training.iterations, " iterations done"));
+  const int wanted = config_.training.iterations;
+  if (done <= wanted) return StrCat(done, " of ", wanted, " iterations done");
+  return StrCat(done, " iterations done, ", wanted, " are wanted");
 }
 
 LearnerLoopSettings Learner::LoopSettings(const LearnerSettings& settings) const {
@@ -91,9 +101,10 @@ LearnerLoopSettings Learner::LoopSettings(const LearnerSettings& settings) const
 
 LearnerLoopHooks Learner::LoopHooks() {
   return {.publish = [this](const Snapshot& snapshot) { server_->Publish(snapshot); },
+          .iteration_trained = [this](const IterationReport& report) { history_.Append(report); },
           .iteration_done =
               [this](const IterationReport& report) {
-                history_.Append(report);
+                log::Write(log::Level::kInfo, LogLine(report));
                 display_.ShowIteration(report);
                 merge_wanted_ = true;
               }};

@@ -51,6 +51,7 @@ class Learner {
   void ServeHttp(const HttpServerSettings& settings);
   void Append(const std::vector<GameRecord>& games, std::vector<Lessons> lessons);
   [[nodiscard]] RunView View() const;
+  [[nodiscard]] std::string IterationsDone() const;
 
   const std::string name_;
   const std::time_t started_ = std::time(nullptr);

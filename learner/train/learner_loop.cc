@@ -49,6 +49,7 @@ IterationReport MakeReport(int iteration, const DataSet& data_set, const Trainin
   report.games = play.games;
   report.decisions = play.decisions;
   report.score = play.score;
+  report.exams = data_set.exam.score;
   report.mean_steps = static_cast<double>(play.steps) / games;
   for (std::size_t i = 0; i < play.actions.size(); ++i) {
     report.action_shares[i] =
@@ -61,6 +62,13 @@ IterationReport MakeReport(int iteration, const DataSet& data_set, const Trainin
   report.policy_accuracy = training.policy_accuracy;
   report.samples_per_s = training.samples_per_s;
   return report;
+}
+
+void AddHeldOut(const TrainingResult& measured, IterationReport& report) {
+  report.held_out_samples = measured.samples;
+  report.held_out_policy_loss = measured.policy_loss;
+  report.held_out_value_loss = measured.value_loss;
+  report.held_out_accuracy = measured.policy_accuracy;
 }
 
 }  // namespace
@@ -104,7 +112,6 @@ LearnerLoop::LearnerLoop(LearnerLoopSettings settings, LearnerLoopHooks hooks)
   version_ = state.weights.version;
   trainer_ = std::make_unique<Trainer>(
       TrainerSettings{settings_.training, settings_.game, settings_.precision}, state);
-  csv_.emplace(settings_.folder / "iterations.csv", schedule_.iteration() + 1);
 }
 
 // Given weights are a checkpoint before the first iteration: from now on the run has them.
@@ -215,7 +222,7 @@ bool LearnerLoop::RunIteration(DataSet data_set, Seconds waited, const std::stop
   if (!data_set.held_out.empty()) AddHeldOut(trainer_->Measure(data_set.held_out), report);
   report.waited_s = waited.count();
   report.trained_s = Seconds(Clock::now() - start).count();
-  csv_->Append(report);
+  hooks_.iteration_trained(report);
   const TrainerState state = trainer_->state(version_ + 1);
   checkpoints_.Save({.data_sets = schedule_.data_sets(), .trainer = state});
   {
@@ -224,11 +231,6 @@ bool LearnerLoop::RunIteration(DataSet data_set, Seconds waited, const std::stop
     training_progress_ = {};
   }
   Publish(state);
-  log::Info("iteration done", "iteration", iteration, "games", report.games, "decisions",
-            report.decisions, "wins", report.score.wins, "ties", report.score.ties, "losses",
-            report.score.losses, "loss", report.total_loss, "policy_accuracy",
-            report.policy_accuracy, "samples_per_s", std::llround(report.samples_per_s), "waited_s",
-            report.waited_s, "trained_s", report.trained_s);
   hooks_.iteration_done(report);
   return true;
 }

@@ -19,8 +19,8 @@
 #include "common/model/weights_snapshot.h"
 #include "learner/replay/lessons.h"
 #include "learner/replay/window.h"
-#include "learner/report/iteration_table.h"
 #include "learner/train/checkpoint.h"
+#include "learner/train/iteration_report.h"
 #include "learner/train/schedule.h"
 #include "learner/train/trainer.h"
 
@@ -29,18 +29,21 @@ namespace powderkeg {
 struct LearnerLoopSettings {
   TrainingConfig training;
   GameSettings game;             // of every game of the run
-  std::filesystem::path folder;  // runs/<name>; holds checkpoints/, weights/, iterations.csv
+  std::filesystem::path folder;  // runs/<name>; holds checkpoints/, weights/
   std::uint64_t seed = 1;        // of the initial weights, the order of samples, the symmetries
-  std::optional<TrainerState> first;  // that a new run starts from; none: untrained weights
+  std::optional<TrainerState> first;   // that a new run starts from; none: untrained weights
   std::optional<Precision> precision;  // see TrainerSettings
   std::size_t window_bytes = std::size_t{8} << 30;
 };
 
-// Both are called on the thread of Run.
+// All are called on the thread of Run.
 struct LearnerLoopHooks {
   // New weights for the actors: once at the start of Run, null if there are none to play with yet,
   // then per iteration.
   std::function<void(const Snapshot&)> publish = [](const Snapshot&) {};
+  // Before the checkpoint of an iteration, without which it is repeated, and reported again: what
+  // is written of it here is there once it counts as complete.
+  std::function<void(const IterationReport&)> iteration_trained = [](const IterationReport&) {};
   // After an iteration is complete and durable: a good moment to have the store merged (by the
   // store's own thread).
   std::function<void(const IterationReport&)> iteration_done = [](const IterationReport&) {};
@@ -118,7 +121,6 @@ class LearnerLoop {
   std::uint32_t version_ = 1;  // of the trainer's weights
   std::unique_ptr<Trainer> trainer_;
   ReplayWindow window_;
-  std::optional<IterationCsv> csv_;
 
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable_any games_added_;

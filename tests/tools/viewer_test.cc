@@ -158,7 +158,7 @@ StoredGame SmallGame() {
   stored.game.result = Result::kWin;
   stored.game.winners = 1;
   stored.players = {"search", "simple_unbiased", "", ""};
-  stored.decisions = {{.step = 0, .agent = 0, .visits = {1, 0, 3, 0, 0, 0}, .value = 0.25F}};
+  stored.tracks[0].decisions = {{.step = 0, .visits = {1, 0, 3, 0, 0, 0}, .value = 0.25F}};
   return stored;
 }
 
