@@ -1,10 +1,8 @@
 // actor: plays games for a learner.
 
 #include <signal.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <exception>
@@ -44,14 +42,8 @@ struct Arguments {
 // EX_TEMPFAIL of sysexits.h: the same again, later, may work.
 constexpr int kGaveUp = 75;
 
-std::string DefaultName() {
-  std::array<char, 64> host{};
-  if (gethostname(host.data(), host.size() - 1) != 0) return "actor";
-  return host.data();
-}
-
 void AddOptions(CLI::App& app, Arguments& arguments) {
-  arguments.name = DefaultName();
+  arguments.name = HostName().empty() ? "actor" : HostName();
   app.add_option("--learner", arguments.learner, "tcp://HOST:PORT or ipc://PATH")->required();
   app.add_option("--name", arguments.name, "unique in the run");
   app.add_option("--loops", arguments.loops, "threads that play")->check(CLI::Range(1u, kMaxLoops));

@@ -17,11 +17,6 @@
 namespace powderkeg {
 namespace {
 
-std::string HostName() {
-  std::array<char, 256> host{};
-  return gethostname(host.data(), host.size() - 1) == 0 ? host.data() : "";
-}
-
 std::string Drawn(const std::function<std::uint32_t()>& device) {
   std::array<std::uint32_t, 4> words{};
   for (std::uint32_t& word : words) word = device();
@@ -40,6 +35,11 @@ std::string DrawnOrNothing(const std::function<std::uint32_t()>& device) {
 }
 
 }  // namespace
+
+std::string HostName() {
+  std::array<char, 256> host{};
+  return gethostname(host.data(), host.size() - 1) == 0 ? host.data() : "";
+}
 
 std::uint64_t UniqueNumber(const std::function<std::uint32_t()>& device) {
   static std::atomic<std::uint64_t> count = 0;

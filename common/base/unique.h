@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 
 namespace powderkeg {
 
@@ -12,5 +13,8 @@ namespace powderkeg {
 // count. A device that throws or repeats itself is logged and done without. Nothing secret.
 // Thread-safe.
 [[nodiscard]] std::uint64_t UniqueNumber(const std::function<std::uint32_t()>& device = {});
+
+// The name of this machine; empty if the system does not say.
+[[nodiscard]] std::string HostName();
 
 }  // namespace powderkeg

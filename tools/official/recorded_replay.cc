@@ -1,6 +1,7 @@
 #include "tools/official/recorded_replay.h"
 
 #include <string_view>
+#include <vector>
 
 #include "common/base/check.h"
 #include "common/pommerman/board_text.h"
