@@ -359,6 +359,13 @@ int Main(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   app.add_option("--set", options.changes, "PATH=VALUE overrides one setting; may be repeated")
       ->take_all();
+  app.add_flag_callback(
+      "--help-options",
+      [] {
+        std::cout << SettingsHelp();
+        throw CLI::Success();
+      },
+      "every setting with its default, meaning and range");
   app.add_option("--listen", options.listen, "tcp://*:PORT, tcp://127.0.0.1:PORT or ipc://PATH")
       ->capture_default_str();
   app.add_option("--keys", options.keys, "folder of CURVE keys (deploy/keys)");

@@ -16,7 +16,11 @@ TicketHost::TicketHost(const Welcome& welcome, TicketBook& tickets, Outbox& outb
       outbox_(outbox),
       game_added_(std::move(game_added)),
       slots_(static_cast<std::size_t>(config_.games_in_flight)) {
-  for (Slot& slot : slots_) slot.agent = std::make_unique<SearchAgent>(config_.search);
+  const Players who = ResolvePlayers(config_);
+  const auto learner = static_cast<std::size_t>(who.lineups.front().seats[0]);
+  for (Slot& slot : slots_) {
+    slot.agent = std::make_unique<SearchAgent>(who.players[learner].agent.search);
+  }
 }
 
 TicketHost::~TicketHost() {
