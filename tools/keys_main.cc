@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/name.h"
 #include "common/base/run_main.h"
 #include "common/wire/keys.h"
 
@@ -20,6 +21,7 @@ void MakePair(const std::filesystem::path& file) {
 }
 
 void MakeKeys(const std::filesystem::path& folder, const std::vector<std::string>& actors) {
+  for (const std::string& name : actors) RequireName("an actor's name", name);
   MakePair(folder / "learner");
   for (const std::string& name : actors) MakePair(folder / "actors" / name);
 }

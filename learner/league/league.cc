@@ -79,7 +79,7 @@ void League::Add(int iteration, std::span<const GameResult> results) {
   Write();
 }
 
-Contestant League::ContestantOf(const Standing& standing) const {
+Contestant League::ContestantOf(const Finish& standing) const {
   if (standing.weights_version > 0) return {.player = "", .version = standing.weights_version};
   return {.player = players_.at(standing.player), .version = 0};
 }

@@ -57,7 +57,7 @@ class League {
   using Pair = std::pair<Contestant, Contestant>;  // ascending
   using Table = std::map<std::tuple<int, Contestant, Contestant>, MatchScore>;  // by iteration
 
-  [[nodiscard]] Contestant ContestantOf(const Standing& standing) const;
+  [[nodiscard]] Contestant ContestantOf(const Finish& standing) const;
   void AddPair(int iteration, const GameResult& result, AgentId first, AgentId second);
   void AddScore(int iteration, const Pair& pair, const MatchScore& score);
   void Read(int iterations_done);

@@ -35,7 +35,7 @@ class Teacher {
   }
 
   // Once the whole game was observed.
-  [[nodiscard]] Lessons Finish() {
+  [[nodiscard]] Lessons TakeLessons() {
     const auto teaches = [](const Seat& s) { return s.teaches != Teaches::kNothing; };
     const bool taught = std::ranges::any_of(game_.setup.seats, teaches);
     PlaySummary& summary = taught ? lessons_.play : lessons_.exam;
@@ -142,7 +142,7 @@ std::variant<Lessons, std::string> MakeLessons(const GameRecord& game) {
     teacher.Observe(state, actions);
   });
   if (reason) return *reason;
-  return teacher.Finish();
+  return teacher.TakeLessons();
 }
 
 }  // namespace powderkeg

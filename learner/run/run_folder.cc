@@ -6,14 +6,15 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
+#include <cinttypes>
 #include <cstring>
 #include <fstream>
-#include <random>
 
 #include "common/base/check.h"
 #include "common/base/digest.h"
 #include "common/base/durable_file.h"
+#include "common/base/format.h"
+#include "common/base/unique.h"
 #include "common/config/config.h"
 
 namespace powderkeg {
@@ -40,7 +41,8 @@ RunLock::~RunLock() { close(file_); }
 
 std::string RunNameOf(const std::filesystem::path& folder) {
   constexpr std::size_t kLongest = 40;
-  std::string name = std::filesystem::absolute(folder / ".").parent_path().filename().string();
+  std::string name =
+      (std::filesystem::absolute(folder) / "").lexically_normal().parent_path().filename().string();
   std::ranges::replace_if(
       name, [](unsigned char c) { return c <= ' ' || c > '~'; }, '_');
   return name.substr(0, kLongest);
@@ -50,10 +52,7 @@ std::string RunIdOf(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "run_id";
   std::string id;
   if (std::ifstream(path) >> id) return id;
-  std::random_device device;
-  char text[33];
-  std::snprintf(text, sizeof text, "%08x%08x", device(), device());
-  id = RunNameOf(folder) + "-" + text;
+  id = RunNameOf(folder) + "-" + Format("%016" PRIx64, UniqueNumber());
   WriteFileDurably(path, BytesOf(id + '\n'));
   return id;
 }

@@ -1,7 +1,9 @@
 #include "learner/replay/store.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -49,6 +51,19 @@ TEST(ReplayStore, GivesBackWhatWasAppended) {
     EXPECT_EQ(LoadAll(store), games);
   }
   EXPECT_EQ(LoadAll(ReplayStore(folder.path() / "replay")), games);
+}
+
+TEST(ReplayStore, MergesWhileAnotherProgramHoldsASegmentsLock) {
+  const TemporaryFolder folder;
+  const std::vector<GameRecord> games = RandomRecords(0, 2);
+  ReplayStore store(folder.path());
+  for (const GameRecord& game : games) store.Append(std::span(&game, 1));
+  const int file = open(FilesIn(folder.path()).front().c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_EQ(flock(file, LOCK_EX | LOCK_NB), 0);
+  store.Merge();
+  close(file);
+  EXPECT_EQ(store.segment_count(), 1u);
+  EXPECT_EQ(LoadAll(store), games);
 }
 
 TEST(ReplayStore, NumbersGoOnAfterARestart) {

@@ -49,7 +49,7 @@ TEST_P(RecordedGames, ReplayWithoutDifference) {
 INSTANTIATE_TEST_SUITE_P(AllFiles, RecordedGames,
                          testing::Values(File{"ffa", 120, 21141}, File{"corner", 80, 1044},
                                          File{"fuzz", 538, 5500}, File{"team", 60, 8446},
-                                         File{"radio", 30, 4147}),
+                                         File{"radio", 30, 4147}, File{"one_vs_one", 40, 1816}),
                          [](const auto& file) { return std::string(file.param.name); });
 
 // ---- The format ----

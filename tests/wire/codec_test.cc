@@ -147,8 +147,11 @@ TEST(CodecTest, MessagesComeBackAsTheyWere) {
   ExpectSurvives(
       Ack{.durable = {1, 2}, .rejected = {{.ticket = 3, .reason = "bad"}}, .tickets = {4}});
   ExpectSurvives(WeightsOffer{.version = 1, .size_bytes = 5, .sha256 = digest});
-  ExpectSurvives(WeightsRequest{.version = 1, .offset_bytes = 5});
-  ExpectSurvives(WeightsChunk{.version = 1, .offset_bytes = 5, .data = std::string("\0\xff", 2)});
+  const WeightsOffer offer{.version = 1, .size_bytes = 7, .sha256 = digest};
+  ExpectSurvives(WeightsRequest{.version = 1, .offset_bytes = 5, .receipt = 9});
+  ExpectSurvives(WeightsChunk{
+      .offer = offer, .offset_bytes = 5, .data = std::string("\0\xff", 2), .receipt = 9});
+  ExpectSurvives(WeightsChunk{.offer = {.version = 3}, .offset_bytes = 5});  // gone
   ExpectSurvives(Heartbeat{.games = 1,
                            .steps = 2,
                            .decisions = 3,
@@ -177,7 +180,11 @@ TEST(CodecTest, RefusesWhatIsOutOfRange) {
                           3, SealedGame{.record = std::string(kMaxRecordBytes, 'x')})});
   ExpectRefused(WeightsOffer{.version = 0, .size_bytes = 1});
   ExpectRefused(WeightsOffer{.version = 1, .size_bytes = kMaxWeightsBytes + 1});
-  ExpectRefused(WeightsChunk{.data = std::string(kMaxChunkBytes + 1, 'x')});
+  const WeightsOffer offer{.version = 1, .size_bytes = kMaxWeightsBytes};
+  ExpectRefused(WeightsChunk{.offer = offer, .data = std::string(kMaxChunkBytes + 1, 'x')});
+  ExpectRefused(WeightsChunk{.offer = offer, .offset_bytes = kMaxWeightsBytes, .data = "x"});
+  ExpectRefused(WeightsChunk{.offer = offer});
+  ExpectRefused(WeightsChunk{.offer = {.version = 3}, .data = "x"});
 }
 
 TEST(CodecTest, ReasonsThatAreNoTextAreSentAsText) {

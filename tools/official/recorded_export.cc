@@ -1,6 +1,7 @@
 #include "tools/official/recorded_export.h"
 
 #include <array>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -32,6 +33,12 @@ std::string List(const Values& values, Text text) {
 // A number as text, whatever integer or enumeration it is.
 constexpr auto kNumber = [](auto value) { return StrCat(static_cast<int>(value)); };
 
+// What is stored of those who play.
+template <typename Value>
+std::span<const Value> Playing(const std::array<Value, kAgentCount>& values, Mode mode) {
+  return std::span(values).first(static_cast<std::size_t>(SeatCount(mode)));
+}
+
 std::string Words(const std::array<Message, kAgentCount>& messages) {
   return List(messages, [](const Message& message) { return List(message, kNumber); });
 }
@@ -45,11 +52,15 @@ std::string Agents(const std::array<bool, kAgentCount>& flags, int first) {
   return "[" + list + "]";
 }
 
-// 121 digits in quotes.
+// A digit in quotes for each cell in play.
 template <typename Cells>
-std::string Digits(const Cells& cells) {
+std::string Digits(const Cells& cells, int size) {
   std::string digits;
-  for (const auto value : cells) digits += kBoardDigits[static_cast<int>(value)];
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      digits += kBoardDigits[static_cast<int>(cells[CellAt(row, column)])];
+    }
+  }
   return Quoted(digits);
 }
 
@@ -75,7 +86,7 @@ std::string BombText(const Bomb& bomb) {
                 rolls ? kNumber(bomb.direction()) : "null", "]");
 }
 
-std::string PositionText(const State& state) {
+std::string PositionText(const State& state, const GameSettings& settings) {
   std::array<CellValue, kCellCount> board{};
   for (Cell cell = 0; cell < kCellCount; ++cell) board[cell] = state.ValueAt(cell);
   CellNumbers flames;
@@ -90,33 +101,37 @@ std::string PositionText(const State& state) {
     items.push_back(
         {RowOf(cell), ColumnOf(cell), kBeforeFirst + static_cast<int>(state.ItemAt(cell))});
   });
-  return StrCat(R"({"ag":)", List(state.agents, AgentText), R"(,"b":)", Digits(board), R"(,"bo":)",
-                List(state.Bombs(), BombText), R"(,"fl":)", ListOf(flames), R"(,"it":)",
-                ListOf(items), R"(,"n":)", state.step, "}");
+  return StrCat(R"({"ag":)", List(Playing(state.agents, settings.mode), AgentText), R"(,"b":)",
+                Digits(board, settings.board_size), R"(,"bo":)", List(state.Bombs(), BombText),
+                R"(,"fl":)", ListOf(flames), R"(,"it":)", ListOf(items), R"(,"n":)", state.step,
+                "}");
 }
 
 // --- Observations -------------------------------------------------------------------------------
 
-std::string ObservationText(const RecordedObservation& recorded, Mode mode) {
+std::string ObservationText(const RecordedObservation& recorded, const GameSettings& settings) {
   const Observation& seen = recorded.observation;
+  const int size = settings.board_size;
   std::string text = StrCat(
       R"({"alive":)", Agents(seen.alive, static_cast<int>(CellValue::kAgent0)), R"(,"board":)",
-      Digits(seen.board), R"(,"bomb_blast_strength":)", Digits(seen.bomb_blast_strength),
-      R"(,"bomb_life":)", Digits(seen.bomb_life), R"(,"bomb_moving_direction":)",
-      Digits(seen.bomb_moving_direction), R"(,"flame_life":)", Digits(seen.flame_life));
+      Digits(seen.board, size), R"(,"bomb_blast_strength":)",
+      Digits(seen.bomb_blast_strength, size), R"(,"bomb_life":)", Digits(seen.bomb_life, size),
+      R"(,"bomb_moving_direction":)", Digits(seen.bomb_moving_direction, size), R"(,"flame_life":)",
+      Digits(seen.flame_life, size));
   text += StrCat(R"(,"game_type":)", recorded.game_type, R"(,"game_env":)",
                  Quoted(recorded.environment), R"(,"position":[)", RowOf(seen.position), ",",
                  ColumnOf(seen.position), R"(],"blast_strength":)", int{seen.blast_strength},
                  R"(,"can_kick":)", seen.can_kick ? "true" : "false", R"(,"teammate":)",
                  kNumber(recorded.team_mate), R"(,"ammo":)", int{seen.ammo}, R"(,"enemies":)",
                  List(recorded.enemies, kNumber), R"(,"step_count":)", seen.step);
-  if (mode == Mode::kTeamRadio) text += R"(,"message":)" + List(seen.message, kNumber);
+  if (settings.mode == Mode::kTeamRadio) text += R"(,"message":)" + List(seen.message, kNumber);
   return text + "}";
 }
 
-std::string ObservationsText(const RecordedObservations& observations, Mode mode) {
-  return List(observations, [mode](const RecordedObservation& recorded) {
-    return ObservationText(recorded, mode);
+std::string ObservationsText(const RecordedObservations& observations,
+                             const GameSettings& settings) {
+  return List(observations, [&](const RecordedObservation& recorded) {
+    return ObservationText(recorded, settings);
   });
 }
 
@@ -136,20 +151,22 @@ std::string Header(const RecordedGame& game) {
              R"(,"blast_cap":)", settings.blast_strength_cap, R"(,"view":)",
              settings.view_radius == 0 ? "null" : StrCat(settings.view_radius), R"(,"collapses":)",
              CollapseSteps(settings), R"(,"tag":)", Quoted(game.tag), R"(,"state":)",
-             PositionText(game.start));
+             PositionText(game.start, settings));
   if (settings.mode == Mode::kTeamRadio) line += R"(,"words":)" + Words(game.start.messages);
   if (game.observations) {
-    line += R"(,"obs":)" + ObservationsText(*game.observations, settings.mode);
+    line += R"(,"obs":)" + ObservationsText(*game.observations, settings);
   }
   return line + "}\n";
 }
 
-std::string StepLine(const RecordedStep& step, Mode mode) {
-  std::string line = R"({"t":"step","a":)" + List(step.actions, kNumber);
+std::string StepLine(const RecordedStep& step, const GameSettings& settings) {
+  const Mode mode = settings.mode;
+  std::string line = R"({"t":"step","a":)" + List(Playing(step.actions, mode), kNumber);
   if (mode == Mode::kTeamRadio) line += R"(,"m":)" + Words(step.messages);
-  line += StrCat(R"(,"s":)", PositionText(step.state), R"(,"r":)", List(step.rewards, kNumber),
-                 R"(,"d":)", step.done ? "true" : "false");
-  if (step.observations) line += R"(,"o":)" + ObservationsText(*step.observations, mode);
+  line +=
+      StrCat(R"(,"s":)", PositionText(step.state, settings), R"(,"r":)",
+             List(Playing(step.rewards, mode), kNumber), R"(,"d":)", step.done ? "true" : "false");
+  if (step.observations) line += R"(,"o":)" + ObservationsText(*step.observations, settings);
   return line + "}\n";
 }
 
@@ -169,10 +186,10 @@ std::string EndLine(const RecordedGame& game) {
 std::string RecordedLines(const RecordedGame& game) {
   if (!game.Known()) {
     throw Error(StrCat("cannot export ", game.id, ": mode \"", game.mode,
-                       "\", expected ffa, team or radio"));
+                       "\", expected ffa, team, radio or one_vs_one"));
   }
   std::string lines = Header(game);
-  for (const RecordedStep& step : game.steps) lines += StepLine(step, game.settings.mode);
+  for (const RecordedStep& step : game.steps) lines += StepLine(step, game.settings);
   return lines + EndLine(game);
 }
 

@@ -1,6 +1,7 @@
 #include "tools/official/recorded_format.h"
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -12,6 +13,8 @@ namespace powderkeg {
 namespace {
 
 using Json = nlohmann::json;
+
+constexpr int kSmallBoardSize = 8;
 
 // ---- Reading JSON: every function throws Error on what does not fit. ----
 
@@ -27,9 +30,10 @@ Json ParseJson(std::string_view text) {
 }
 
 int Number(const Json& json, int lowest, int highest) {
-  if (json.is_number_integer()) {
-    const auto value = json.get<std::int64_t>();
-    if (value >= lowest && value <= highest) return static_cast<int>(value);
+  if (json.is_number()) {
+    const auto value = json.get<double>();
+    const bool fits = value >= lowest && value <= highest;
+    if (fits && value == static_cast<int>(value)) return static_cast<int>(value);
   }
   throw Error(StrCat(json.dump(), " is no whole number from ", lowest, " to ", highest));
 }
@@ -67,6 +71,18 @@ std::uint8_t CellOf(const Json& row, const Json& column) {
 Item ItemOf(const Json& json) {
   constexpr int kFirst = static_cast<int>(CellValue::kExtraBomb);
   return static_cast<Item>(Number(json, kFirst, kFirst + 2) - kFirst + 1);
+}
+
+std::array<std::uint8_t, kCellCount> Numbers(const Json& json) { return BoardNumbers(Text(json)); }
+
+std::array<std::uint8_t, kCellCount> BoardOf(const Json& json) {
+  return BoardNumbers(Text(json), CellValue::kRigid);
+}
+
+// One value for each agent that plays.
+const Json& SeatList(const Json& json) {
+  if (json.is_array() && json.size() == SeatCount(Mode::kOneVsOne)) return json;
+  return List(json, kAgentCount);
 }
 
 CellValue CellValueOf(int digit) {
@@ -140,11 +156,11 @@ void CheckBoard(const std::array<std::uint8_t, kCellCount>& board, const State& 
 
 State ReadState(const Json& json) {
   State state;
-  const auto board = BoardNumbers(Text(Field(json, "b")));
+  const auto board = BoardOf(Field(json, "b"));
   ReadBoard(board, state);
   state.step = NumberOf<std::uint16_t>(Field(json, "n"));
-  const Json& agents = List(Field(json, "ag"), kAgentCount);
-  for (AgentId id = 0; id < kAgentCount; ++id) state.agents[id] = ReadAgent(agents[id]);
+  const Json& agents = SeatList(Field(json, "ag"));
+  std::ranges::transform(agents, state.agents.begin(), ReadAgent);
   ReadBombs(Field(json, "bo"), state);
   ReadFlames(Field(json, "fl"), state);
   ReadHiddenItems(Field(json, "it"), state);
@@ -160,8 +176,8 @@ Message ReadMessage(const Json& json) {
 }
 
 void ReadCells(const Json& json, Observation& observation) {
-  const auto board = BoardNumbers(Text(Field(json, "board")));
-  const auto directions = BoardNumbers(Text(Field(json, "bomb_moving_direction")));
+  const auto board = BoardOf(Field(json, "board"));
+  const auto directions = Numbers(Field(json, "bomb_moving_direction"));
   for (Cell cell = 0; cell < kCellCount; ++cell) {
     observation.board[cell] = CellValueOf(board[cell]);
     if (directions[cell] > static_cast<int>(Direction::kRight)) {
@@ -169,9 +185,9 @@ void ReadCells(const Json& json, Observation& observation) {
     }
     observation.bomb_moving_direction[cell] = static_cast<Direction>(directions[cell]);
   }
-  observation.bomb_blast_strength = BoardNumbers(Text(Field(json, "bomb_blast_strength")));
-  observation.bomb_life = BoardNumbers(Text(Field(json, "bomb_life")));
-  observation.flame_life = BoardNumbers(Text(Field(json, "flame_life")));
+  observation.bomb_blast_strength = Numbers(Field(json, "bomb_blast_strength"));
+  observation.bomb_life = Numbers(Field(json, "bomb_life"));
+  observation.flame_life = Numbers(Field(json, "flame_life"));
   if (std::ranges::max(observation.flame_life) > 3) throw Error("a flame lives longer than 3");
 }
 
@@ -194,17 +210,18 @@ RecordedObservation ReadObservation(const Json& json, AgentId self) {
   observation.step = NumberOf<std::uint16_t>(Field(json, "step_count"));
   if (json.contains("message")) observation.message = ReadMessage(json.at("message"));
   recorded.team_mate = ReadCellValue(Field(json, "teammate"));
-  const Json& enemies = List(Field(json, "enemies"), recorded.enemies.size());
-  std::ranges::transform(enemies, recorded.enemies.begin(), ReadCellValue);
+  const Json& enemies = List(Field(json, "enemies"), 0, kAgentCount - 1);
+  std::ranges::transform(enemies, std::back_inserter(recorded.enemies), ReadCellValue);
   recorded.game_type = Number(Field(json, "game_type"), 1, 4);
   recorded.environment = Text(Field(json, "game_env"));
   return recorded;
 }
 
 RecordedObservations ReadObservations(const Json& json) {
-  List(json, kAgentCount);
   RecordedObservations observations;
-  for (AgentId id = 0; id < kAgentCount; ++id) observations[id] = ReadObservation(json[id], id);
+  for (const Json& seen : SeatList(json)) {
+    observations.push_back(ReadObservation(seen, static_cast<AgentId>(observations.size())));
+  }
   return observations;
 }
 
@@ -213,6 +230,7 @@ RecordedObservations ReadObservations(const Json& json) {
 GameSettings ReadSettings(const Json& header, Mode mode) {
   GameSettings settings;
   settings.mode = mode;
+  if (mode == Mode::kOneVsOne) settings.board_size = kSmallBoardSize;
   settings.max_steps = Number(Field(header, "max_steps"), 1, UINT16_MAX);
   settings.blast_strength_cap = Number(Field(header, "blast_cap"), 1, UINT8_MAX);
   const Json& view = Field(header, "view");
@@ -255,12 +273,12 @@ void KeepWordsOfLiving(const State& before, std::array<Message, kAgentCount>& me
 
 RecordedStep ReadStep(const Json& json, const State& before) {
   RecordedStep step;
-  const Json& actions = List(Field(json, "a"), kAgentCount);
-  const Json& rewards = List(Field(json, "r"), kAgentCount);
-  for (AgentId id = 0; id < kAgentCount; ++id) {
-    step.actions[id] = static_cast<Action>(Number(actions[id], 0, kActionCount - 1));
-    step.rewards[id] = static_cast<std::int8_t>(Number(rewards[id], -1, 1));
-  }
+  std::ranges::transform(SeatList(Field(json, "a")), step.actions.begin(), [](const Json& action) {
+    return static_cast<Action>(Number(action, 0, kActionCount - 1));
+  });
+  std::ranges::transform(SeatList(Field(json, "r")), step.rewards.begin(), [](const Json& reward) {
+    return static_cast<std::int8_t>(Number(reward, -1, 1));
+  });
   step.done = Flag(Field(json, "d"));
   if (json.contains("m")) ReadWords(json.at("m"), step.messages);
   step.state = ReadState(Field(json, "s"));
@@ -307,14 +325,19 @@ bool ReadLine(const Json& json, RecordedGame& game) {
 
 }  // namespace
 
-std::array<std::uint8_t, kCellCount> BoardNumbers(std::string_view digits) {
+std::array<std::uint8_t, kCellCount> BoardNumbers(std::string_view digits, CellValue beyond) {
+  const int size = digits.size() == kCellCount ? kBoardSize : kSmallBoardSize;
+  if (static_cast<int>(digits.size()) != size * size) {
+    throw Error(StrCat("board of ", digits.size(), " cells"));
+  }
   std::array<std::uint8_t, kCellCount> numbers{};
-  if (digits.size() != numbers.size()) throw Error(StrCat("board of ", digits.size(), " cells"));
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const std::size_t number = kBoardDigits.find(digits[i]);
-    if (number == std::string_view::npos)
-      throw Error(StrCat("board has a cell '", digits[i], '\''));
-    numbers[i] = static_cast<std::uint8_t>(number);
+  numbers.fill(static_cast<std::uint8_t>(beyond));
+  int cell = 0;  // among those in play
+  for (const char digit : digits) {
+    const std::size_t number = kBoardDigits.find(digit);
+    if (number == std::string_view::npos) throw Error(StrCat("board has a cell '", digit, '\''));
+    numbers[CellAt(cell / size, cell % size)] = static_cast<std::uint8_t>(number);
+    ++cell;
   }
   return numbers;
 }
@@ -323,6 +346,7 @@ std::optional<Mode> RecordedModeFor(std::string_view name) {
   if (name == "ffa") return Mode::kFreeForAll;
   if (name == "team") return Mode::kTeam;
   if (name == "radio") return Mode::kTeamRadio;
+  if (name == "one_vs_one") return Mode::kOneVsOne;
   return std::nullopt;
 }
 

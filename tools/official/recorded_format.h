@@ -18,27 +18,29 @@
 
 namespace powderkeg {
 
-// A board is text of 121 of these digits, row by row.
+// A board is text of 121 of these digits, or 64 of a board of 8 x 8, row by row.
 inline constexpr std::string_view kBoardDigits = "0123456789abcdefghijklmnopqrstuvwxyz";
-// The numbers that such a text stands for. Throws Error on any other.
-[[nodiscard]] std::array<std::uint8_t, kCellCount> BoardNumbers(std::string_view digits);
+// The numbers that such a text stands for; `beyond` a small board. Throws Error on any other text.
+[[nodiscard]] std::array<std::uint8_t, kCellCount> BoardNumbers(std::string_view digits,
+                                                                CellValue beyond = {});
 
-// nullopt for a mode that cannot be replayed: all but ffa, team and radio.
+// nullopt for a mode that cannot be replayed: all but ffa, team, radio
+// and one_vs_one.
 [[nodiscard]] std::optional<Mode> RecordedModeFor(std::string_view name);
 
 // An official observation: what Observation holds, and what it leaves to the settings.
 struct RecordedObservation {
   Observation observation;
   CellValue team_mate = CellValue::kAgentDummy;
-  std::array<CellValue, 3> enemies{};
+  std::vector<CellValue> enemies;
   int game_type = 0;
   std::string environment;  // the official class, e.g. "pommerman.envs.v0:Pomme"
 
   friend bool operator==(const RecordedObservation&, const RecordedObservation&) = default;
 };
 
-// By agent id.
-using RecordedObservations = std::array<RecordedObservation, kAgentCount>;
+// By agent id, of those that play.
+using RecordedObservations = std::vector<RecordedObservation>;
 
 struct RecordedStep {
   JointAction actions{};

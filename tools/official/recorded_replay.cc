@@ -1,6 +1,7 @@
 #include "tools/official/recorded_replay.h"
 
 #include <string_view>
+#include <vector>
 
 #include "common/base/check.h"
 #include "common/pommerman/board_text.h"
@@ -8,13 +9,12 @@
 namespace powderkeg {
 namespace {
 
-std::array<CellValue, 3> EnemiesOf(Mode mode, AgentId self) {
-  std::array<CellValue, 3> enemies;
-  enemies.fill(CellValue::kAgentDummy);
-  int count = 0;
-  for (AgentId other = 0; other < kAgentCount; ++other) {
-    if (AreEnemies(mode, self, other)) enemies[count++] = AgentValue(other);
+std::vector<CellValue> EnemiesOf(Mode mode, AgentId self) {
+  std::vector<CellValue> enemies;
+  for (AgentId other = 0; other < SeatCount(mode); ++other) {
+    if (AreEnemies(mode, self, other)) enemies.push_back(AgentValue(other));
   }
+  if (IsTeamMode(mode)) enemies.push_back(CellValue::kAgentDummy);
   return enemies;
 }
 
@@ -46,8 +46,10 @@ class Comparison {
   void ExpectObservations(const std::optional<RecordedObservations>& recorded,
                           const State& played) {
     if (!recorded) return;
-    for (AgentId id = 0; id < kAgentCount; ++id) {
-      ExpectObservation(id, (*recorded)[id], OfficialObservation(game_.settings, played, id));
+    AgentId id = 0;
+    for (const RecordedObservation& seen : *recorded) {
+      ExpectObservation(id, seen, OfficialObservation(game_.settings, played, id));
+      ++id;
     }
   }
 

@@ -37,10 +37,11 @@ std::string EnvironmentIdOf(const GameSettings& settings) {
 
 std::optional<RecordedObservations> ObserveForRecord(const GameSettings& settings,
                                                      const State& state) {
-  if (!IsTeamMode(settings.mode) || state.step % kStepsBetweenObservations != 0) return {};
+  const bool everybody_knows = settings.mode == Mode::kFreeForAll;
+  if (everybody_knows || state.step % kStepsBetweenObservations != 0) return {};
   RecordedObservations observations;
-  for (AgentId id = 0; id < kAgentCount; ++id) {
-    observations[id] = OfficialObservation(settings, state, id);
+  for (AgentId id = 0; id < SeatCount(settings.mode); ++id) {
+    observations.push_back(OfficialObservation(settings, state, id));
   }
   return observations;
 }
