@@ -88,7 +88,7 @@ class Teacher {
     return static_cast<std::int8_t>(OutcomeFor(game_, agent));
   }
 
-  [[nodiscard]] powderkeg::Finish FinishOf(AgentId agent) const {
+  [[nodiscard]] Finish FinishOf(AgentId agent) const {
     return {.player = seat(agent).player,
             .weights_version = game_.tracks[agent].weights_version,
             .mate = TeamMateOf(settings().mode, agent),
