@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <limits>
 #include <utility>
+#include <utility>
 
 namespace powderkeg {
 namespace {
@@ -29,10 +30,12 @@ void SearchAgent::StartGame(const GameSettings& settings, AgentId self, Rng rng)
 }
 
 void SearchAgent::Begin(const Observation& observation) {
-  const State before = belief_->state();
+  const Belief before = *belief_;
   belief_->Observe(observation);
   if (mate_) belief_->HearMate(*std::exchange(mate_, std::nullopt));
-  if (!first_move_) models_.ObserveStep(before, belief_->state());
+  if (!first_move_) {
+    models_.ObserveStep({before.state(), before.visible()}, {belief_->state(), belief_->visible()});
+  }
   first_move_ = false;
   search_->Start(belief_->state(), models_, rng_.Split(kFirstMovePurpose + observation.step));
   result_.reset();
@@ -69,10 +72,7 @@ MoveStatistics SearchAgent::move_statistics() const {
   statistics.simulations = static_cast<std::uint32_t>(result().simulations);
   statistics.mean_depth = static_cast<float>(result().mean_depth);
   statistics.prediction = result().expected_actions;
-  for (AgentId agent = 0; agent < kAgentCount; ++agent) {
-    if (agent == belief_->self() || !belief_->state().agents[agent].alive) continue;
-    statistics.predicted_agents |= static_cast<std::uint8_t>(1 << agent);
-  }
+  statistics.predicted_agents = result().expected_agents;
   return statistics;
 }
 

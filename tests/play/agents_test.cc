@@ -86,6 +86,15 @@ TEST(SearchAgent, TellsItsDecisionAndStatistics) {
   EXPECT_EQ(agent.move_statistics().prediction[1], Action::kStop);
 }
 
+TEST(SearchAgent, AnEnemyThatBranchesInTheTreeIsNotPredicted) {
+  SearchAgent agent(ParseSearchSettings("simulations=32,opponents=idle,tree=two_player"));
+  agent.StartGame(GameSettings(), /*self=*/0, Rng(1));
+  agent.Begin(Seen(CornerState()));
+  UniformEvaluator evaluator;
+  Decide(agent, evaluator);
+  EXPECT_EQ(agent.move_statistics().predicted_agents, 0b0100) << "agent 1 is the closest";
+}
+
 TEST(SearchAgent, RecordsTheImprovedPolicyOfAGumbelRoot) {
   SearchAgent agent(ParseSearchSettings("simulations=32,opponents=idle,root=gumbel"));
   agent.StartGame(GameSettings(), /*self=*/0, Rng(1));
