@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
-#include <utility>
-#include <utility>
 
 namespace powderkeg {
 namespace {
@@ -25,14 +23,12 @@ void SearchAgent::StartGame(const GameSettings& settings, AgentId self, Rng rng)
   belief_.emplace(settings, belief_settings_);
   models_.StartGame(settings_, settings, self, rng.Split(kModelsPurpose));
   first_move_ = true;
-  mate_.reset();
   result_.reset();
 }
 
 void SearchAgent::Begin(const Observation& observation) {
   const Belief before = *belief_;
   belief_->Observe(observation);
-  if (mate_) belief_->HearMate(*std::exchange(mate_, std::nullopt));
   if (!first_move_) {
     models_.ObserveStep({before.state(), before.visible()}, {belief_->state(), belief_->visible()});
   }

@@ -66,6 +66,23 @@ void Decide(Agent& agent, Evaluator& evaluator) {
   }
 }
 
+TEST(Agents, ThatThinkSayWhereTheyAreAndRuleBasedOnesAreSilent) {
+  const GameSettings radio = GameSettingsFor("PommeRadioCompetition-v2").value();
+  State state = CornerState();
+  state.step = 4;
+  UniformEvaluator evaluator;
+  SearchAgent search(ParseSearchSettings("simulations=8"));
+  RawNetworkAgent raw;
+  RuleBasedAgent rule(PolicyKind::kSimpleUnbiased);
+  for (Agent* agent : std::initializer_list<Agent*>{&search, &raw, &rule}) {
+    agent->StartGame(radio, /*self=*/0, Rng(1));
+    agent->Begin(Observe(radio, state, 0));
+    Decide(*agent, evaluator);
+    const Message silence{};
+    EXPECT_EQ(agent->words(), agent == &rule ? silence : EncodeReport(4, 0, agent->action()));
+  }
+}
+
 TEST(SearchAgent, TellsItsDecisionAndStatistics) {
   SearchAgent agent(ParseSearchSettings("simulations=32,opponents=idle"));
   agent.StartGame(GameSettings(), /*self=*/0, Rng(1));

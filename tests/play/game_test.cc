@@ -96,6 +96,26 @@ INSTANTIATE_TEST_SUITE_P(Environments, GameOfEveryMode,
                                          "PommeTeamCompetition-v0", "PommeTeamCompetition-v1",
                                          "PommeRadioCompetition-v2"));
 
+TEST(Game, PassesTheMatesLastWordsOnInRadioGames) {
+  const GameSettings radio = GameSettingsFor("PommeRadioCompetition-v2").value();
+  for (const GameSettings& settings : {radio, GameSettingsFor("PommeTeam-v0").value()}) {
+    GamePlan plan = PlanOfSeats({kSearching, kSimpleUnbiasedSeat, kSearching, kSimpleUnbiasedSeat},
+                                /*seed=*/3, settings);
+    AskingAgent first(/*questions=*/1);
+    AskingAgent second(/*questions=*/2);
+    plan.players[0] = {&first, {std::make_shared<UniformEvaluator>(), 0}};
+    plan.players[2] = {&second, {std::make_shared<UniformEvaluator>(), 0}};
+    const GameRecord record = PlayGame(plan);
+    ASSERT_GT(first.heard.size(), 3u);
+    EXPECT_EQ(first.heard[0], Message{});
+    const std::size_t both = std::min(first.heard.size(), second.heard.size());
+    for (std::size_t step = 1; step < both; ++step) {
+      const auto action = static_cast<std::uint8_t>(record.actions[step - 1][2]);
+      EXPECT_EQ(first.heard[step], settings == radio ? (Message{3, action}) : Message{});
+    }
+  }
+}
+
 // Whom the collapse kills had decided already: the record has it stand still, without a decision.
 TEST(Game, CollapsesAfterEverybodyDecided) {
   GameSettings settings;
