@@ -13,9 +13,9 @@
 #include "actors/http/agent_routes.h"
 #include "actors/http/agent_service.h"
 #include "actors/play/factory.h"
-#include "actors/run_main.h"
 #include "common/base/check.h"
 #include "common/base/log.h"
+#include "common/base/run_main.h"
 #include "common/http/http_server.h"
 #include "common/model/evaluation_cache.h"
 #include "common/model/weights_snapshot.h"
@@ -77,8 +77,8 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
 }
 
 // The agent's own words, changed by what holds for all.
-AgentDescription DescriptionOf(const std::string& text, const Arguments& arguments) {
-  AgentDescription description = ParseAgent(text);
+AgentSpec DescriptionOf(const std::string& text, const Arguments& arguments) {
+  AgentSpec description = ParseAgent(text);
   if (arguments.simulations > 0) description.search.simulations = arguments.simulations;
   if (arguments.move_time_ms > 0) {
     description.search.simulations = kEnoughSimulations;
@@ -88,18 +88,18 @@ AgentDescription DescriptionOf(const std::string& text, const Arguments& argumen
       description.search.gumbel_first_halving = kFirstHalving;
     }
   }
-  const bool thinks = description.kind != AgentDescription::Kind::kRuleBased;
+  const bool thinks = description.kind != AgentSpec::Kind::kRuleBased;
   if (thinks && description.model_file.empty()) description.model_file = arguments.model;
   return description;
 }
 
 // Refuses options that no agent would look at.
-void CheckOptions(const std::vector<AgentDescription>& agents, const Arguments& arguments) {
-  using Kind = AgentDescription::Kind;
+void CheckOptions(const std::vector<AgentSpec>& agents, const Arguments& arguments) {
+  using Kind = AgentSpec::Kind;
   const bool searches = std::ranges::any_of(
-      agents, [](const AgentDescription& agent) { return agent.kind == Kind::kSearch; });
+      agents, [](const AgentSpec& agent) { return agent.kind == Kind::kSearch; });
   const bool thinks = std::ranges::any_of(
-      agents, [](const AgentDescription& agent) { return agent.kind != Kind::kRuleBased; });
+      agents, [](const AgentSpec& agent) { return agent.kind != Kind::kRuleBased; });
   if (!searches && (arguments.simulations > 0 || arguments.move_time_ms > 0)) {
     throw Error("--simulations and --move-time-ms: expected an agent that searches");
   }
@@ -109,13 +109,13 @@ void CheckOptions(const std::vector<AgentDescription>& agents, const Arguments& 
 }
 
 // One for each port.
-std::vector<AgentDescription> AgentsOf(const Arguments& arguments) {
+std::vector<AgentSpec> AgentsOf(const Arguments& arguments) {
   const std::size_t ports = arguments.ports.size();
   if (arguments.agents.size() != 1 && arguments.agents.size() != ports) {
     throw Error(StrCat(arguments.agents.size(), " agents for ", ports,
                        " ports, expected one agent or one for each port"));
   }
-  std::vector<AgentDescription> agents;
+  std::vector<AgentSpec> agents;
   for (const std::string& text : arguments.agents) {
     agents.push_back(DescriptionOf(text, arguments));
   }
@@ -132,7 +132,7 @@ struct Seat {
 };
 
 // Under a clock everything is ready before the first game.
-Seat Serve(const AgentDescription& agent, int port, const Arguments& arguments) {
+Seat Serve(const AgentSpec& agent, int port, const Arguments& arguments) {
   const bool timed = arguments.move_time_ms > 0;
   EvaluatorChoice choice = arguments.evaluator;
   // For as many questions about models as about leaves.
@@ -193,7 +193,7 @@ void Report(const Seat& seat) {
 }
 
 void Run(const Arguments& arguments) {
-  const std::vector<AgentDescription> agents = AgentsOf(arguments);
+  const std::vector<AgentSpec> agents = AgentsOf(arguments);
   const sigset_t signals = BlockEndSignals();
   log::Init(/*file=*/"", log::LevelFor(arguments.log_level));
   InitialiseEvaluators();

@@ -8,22 +8,10 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/format.h"
 
 namespace powderkeg {
 namespace {
-
-constexpr std::array<const char*, kActionCount> kActionNames = {"stop", "up",    "down",
-                                                                "left", "right", "bomb"};
-
-// printf into a string.
-template <typename... Values>
-std::string Format(const char* format, Values... values) {
-  const int length = std::snprintf(nullptr, 0, format, values...);
-  CHECK(length >= 0, format);
-  std::string text(static_cast<std::size_t>(length), '\0');
-  std::snprintf(text.data(), text.size() + 1, format, values...);
-  return text;
-}
 
 // In quotes, with what JSON and CSV both need escaped in a file name or specification.
 std::string Quoted(std::string_view text) {

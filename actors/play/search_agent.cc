@@ -13,14 +13,11 @@ constexpr std::uint64_t kFirstMovePurpose = 1;  // + step
 
 }  // namespace
 
-SearchAgent::SearchAgent(const SearchSettings& settings, const BeliefSettings& belief)
-    : settings_(settings), belief_settings_(belief) {}
-
 void SearchAgent::StartGame(const GameSettings& settings, AgentId self, Rng rng) {
   if (!search_ || !(settings == game_)) search_.emplace(settings_, settings);
   game_ = settings;
   rng_ = rng;
-  belief_.emplace(settings, belief_settings_);
+  belief_.emplace(settings);
   models_.StartGame(settings_, settings, self, rng.Split(kModelsPurpose));
   first_move_ = true;
   result_.reset();
@@ -56,7 +53,6 @@ std::optional<Decision> SearchAgent::decision() const {
   if (!result().searched || !visited) return std::nullopt;
   Decision decision;
   decision.step = belief_->state().step;
-  decision.agent = static_cast<std::uint8_t>(belief_->self());
   if (result().full_search) decision.visits = RecordedVisits(result().target);
   decision.value = result().value;
   return decision;

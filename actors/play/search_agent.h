@@ -7,7 +7,7 @@
 #include "actors/play/agent.h"
 #include "actors/search/opponent_models.h"
 #include "actors/search/search.h"
-#include "actors/search/search_settings.h"
+#include "common/config/search_settings.h"
 #include "common/pommerman/belief.h"
 
 namespace powderkeg {
@@ -16,7 +16,7 @@ namespace powderkeg {
 // allocated with the first game and kept.
 class SearchAgent final : public Agent {
  public:
-  explicit SearchAgent(const SearchSettings& settings, const BeliefSettings& belief = {});
+  explicit SearchAgent(const SearchSettings& settings) : settings_(settings) {}
 
   void StartGame(const GameSettings& settings, AgentId self, Rng rng) override;
   void Begin(const Observation& observation) override;
@@ -32,7 +32,6 @@ class SearchAgent final : public Agent {
 
  private:
   SearchSettings settings_;
-  BeliefSettings belief_settings_;
   GameSettings game_;
   Rng rng_;
   std::optional<Belief> belief_;

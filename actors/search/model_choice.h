@@ -4,8 +4,8 @@
 
 #include <array>
 
-#include "actors/search/search_settings.h"
 #include "common/base/rng.h"
+#include "common/config/search_settings.h"
 #include "common/policies/policy.h"
 #include "common/pommerman/state.h"
 

@@ -7,8 +7,8 @@
 
 #include "actors/search/model_choice.h"
 #include "actors/search/order_inference.h"
-#include "actors/search/search_settings.h"
 #include "common/base/rng.h"
+#include "common/config/search_settings.h"
 #include "common/policies/policy.h"
 #include "common/pommerman/game_settings.h"
 #include "common/pommerman/state.h"

@@ -74,16 +74,6 @@ double ForcedVisitsSquared(double k, const RootStatistics& root, std::size_t act
 
 }  // namespace
 
-SearchSettings WithoutExploration(SearchSettings settings) {
-  settings.noise_weight = 0;
-  settings.exploratory_start = 0;
-  settings.forced_playouts = 0;
-  settings.gumbel_scale = 0;
-  settings.temperature = 0;
-  settings.full_search_share = 1;
-  return settings;
-}
-
 std::array<float, kActionCount> WithNoise(const SearchSettings& settings,
                                           std::span<const float, kActionCount> priors,
                                           ActionSet legal, Rng& rng) {

@@ -6,15 +6,11 @@
 #include <cstdint>
 #include <span>
 
-#include "actors/search/search_settings.h"
 #include "common/base/rng.h"
+#include "common/config/search_settings.h"
 #include "common/pommerman/step.h"
 
 namespace powderkeg {
-
-// The same search at its strongest: no noise, no random or forced simulations, no drawing of moves,
-// every search a full one. For exams and for the fast searches of playout cap randomisation.
-[[nodiscard]] SearchSettings WithoutExploration(SearchSettings settings);
 
 // (1 - weight) P + weight Dirichlet(alpha) over the legal actions; illegal ones stay 0.
 [[nodiscard]] std::array<float, kActionCount> WithNoise(const SearchSettings& settings,

@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "actors/search/search_settings.h"
+#include "common/config/search_settings.h"
 #include "common/policies/policy.h"
 #include "common/pommerman/state.h"
 #include "common/pommerman/step.h"

@@ -12,18 +12,6 @@
 
 namespace powderkeg {
 
-struct BeliefSettings {
-  // How the opponents' ammo, blast strength and kick are filled in.
-  enum class Statistics : std::uint8_t {
-    kTracked,    // from the bombs laid, the items picked up and the kicks seen so far
-    kWorstCase,  // blast strength at its cap, 10 bombs, kick
-  };
-  Statistics statistics = Statistics::kTracked;
-  bool remember_cells = true;  // under fog: keep walls, items, bombs and agents last seen
-
-  friend bool operator==(const BeliefSettings&, const BeliefSettings&) = default;
-};
-
 // Turns the stream of one agent's observations into the State its search steps from: hidden items
 // are unknown (none), bombs have the owner that can have laid them, opponents' statistics are
 // inferred. A value; give it every observation of a game in order, the first one included.
@@ -45,7 +33,7 @@ struct BeliefSettings {
 // cells, but better than where it was seen last. Words are not part of the position.
 class Belief {
  public:
-  Belief(const GameSettings& settings, const BeliefSettings& belief_settings);
+  explicit Belief(const GameSettings& settings) : settings_(settings) {}
 
   void Observe(const Observation& observation);
 
@@ -65,7 +53,6 @@ class Belief {
   void Listen(const Observation& observation);
 
   GameSettings settings_;
-  BeliefSettings belief_settings_;
   State state_;
   MateTracker mate_;  // radio
   AgentId self_ = 0;

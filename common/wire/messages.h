@@ -15,7 +15,7 @@
 
 namespace powderkeg {
 
-inline constexpr std::uint32_t kProtocolVersion = 1;
+inline constexpr std::uint32_t kProtocolVersion = 2;
 
 // Limits that both sides hold, and enforce on the other.
 inline constexpr std::size_t kMaxRecordBytes = std::size_t{1} << 20;
@@ -99,14 +99,17 @@ struct WeightsOffer {
 struct WeightsRequest {
   std::uint32_t version = 0;
   std::uint64_t offset_bytes = 0;
+  std::uint64_t receipt = 0;
 
   friend bool operator==(const WeightsRequest&, const WeightsRequest&) = default;
 };
 
+// Without data: the version is gone.
 struct WeightsChunk {
-  std::uint32_t version = 0;
+  WeightsOffer offer{};
   std::uint64_t offset_bytes = 0;
   std::string data{};
+  std::uint64_t receipt = 0;
 
   friend bool operator==(const WeightsChunk&, const WeightsChunk&) = default;
 };

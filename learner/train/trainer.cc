@@ -214,7 +214,8 @@ struct Trainer::Implementation {
     return torch::from_blob(values.data(), shape, torch::kFloat32).to(device);
   }
 
-  void Step(Losses& losses) {
+  // The loss of the batch per sample; its parts are added to `losses`.
+  torch::Tensor LossOf(Losses& losses) {
     const auto size = static_cast<std::int64_t>(batch.size);
     const torch::Tensor planes = OnDevice(batch.planes, {size, kPlaneCount, kBoardSize, kBoardSize})
                                      .contiguous(torch::MemoryFormat::ChannelsLast);
@@ -228,17 +229,30 @@ struct Trainer::Implementation {
     const torch::Tensor logits = output.policy_logits.to(torch::kFloat32);
     const torch::Tensor policy_loss = -(policies * logits.log_softmax(1)).sum();
     const torch::Tensor value_loss = (values - output.value.to(torch::kFloat32)).square().sum();
-    const double alpha = settings.training.value_weight;
-    optimizer.zero_grad();
-    ((alpha * value_loss + (1 - alpha) * policy_loss) / size).backward();
-    optimizer.step();
     losses.policy += policy_loss.detach();
     losses.value += value_loss.detach();
     const torch::Tensor has_policy = policies.sum(1) > 0;
     losses.agreements += (logits.argmax(1).eq(policies.argmax(1)) & has_policy).sum();
     losses.policies += has_policy.sum();
+    const double alpha = settings.training.value_weight;
+    return (alpha * value_loss + (1 - alpha) * policy_loss) / size;
+  }
+
+  void Step(Losses& losses) {
+    const torch::Tensor loss = LossOf(losses);
+    optimizer.zero_grad();
+    loss.backward();
+    optimizer.step();
     ++steps;
     samples_seen += batch.size;
+  }
+
+  [[nodiscard]] TargetSettings Targets() const {
+    const TrainingConfig& training = settings.training;
+    return {.argmax_weight = training.target_argmax_weight,
+            .outcome_values = {.draw = training.draw_value.value_or(0),
+                               .late_win = training.late_win_value.value_or(1)},
+            .search_value_weight = training.target_search_value_weight};
   }
 
   [[nodiscard]] TrainingResult ResultOf(const Losses& losses, std::uint64_t samples,
@@ -283,10 +297,7 @@ TrainingResult Trainer::Train(const ReplayWindow& window, Rng rng, const std::st
   Implementation& trainer = *implementation_;
   const TrainingConfig& training = trainer.settings.training;
   InitialiseTorch(training.threads);
-  const TargetSettings targets{.argmax_weight = training.target_argmax_weight,
-                               .outcome_values = {.draw = training.draw_value.value_or(0),
-                                                  .late_win = training.late_win_value.value_or(1)},
-                               .search_value_weight = training.target_search_value_weight};
+  const TargetSettings targets = trainer.Targets();
   const auto batch_size = static_cast<std::size_t>(training.batch_size);
   const double wanted = training.epochs * static_cast<double>(window.size());
   const auto batches = static_cast<std::uint64_t>(
@@ -305,6 +316,27 @@ TrainingResult Trainer::Train(const ReplayWindow& window, Rng rng, const std::st
   }
   TrainingResult result = trainer.ResultOf(losses, done * batch_size, start);
   result.finished = done == batches;
+  return result;
+}
+
+TrainingResult Trainer::Measure(std::span<const Sample> samples) {
+  Implementation& trainer = *implementation_;
+  const torch::NoGradGuard no_gradients;
+  trainer.network->eval();
+  const auto batch_size = static_cast<std::size_t>(trainer.settings.training.batch_size);
+  Losses losses(trainer.device);
+  Rng rng(/*seed=*/0);
+  const Clock::time_point start = Clock::now();
+  for (std::size_t first = 0; first < samples.size(); first += batch_size) {
+    std::vector<const Sample*> batch;
+    for (const Sample& sample : samples.subspan(first, std::min(batch_size, samples.size() - first))) {
+      batch.push_back(&sample);
+    }
+    BuildBatch(trainer.settings.game, trainer.Targets(), batch, rng, trainer.batch);
+    (void)trainer.LossOf(losses);
+  }
+  TrainingResult result = trainer.ResultOf(losses, samples.size(), start);
+  result.finished = true;
   return result;
 }
 

@@ -24,13 +24,13 @@ std::string ErrorOf(const std::string& text) {
 TEST(ParseAgent, ReadsRuleBasedPolicies) {
   EXPECT_EQ(ParseAgent("simple_unbiased").policy, PolicyKind::kSimpleUnbiased);
   EXPECT_EQ(ParseAgent("idle").policy, PolicyKind::kIdle);
-  EXPECT_EQ(ParseAgent("idle").kind, AgentDescription::Kind::kRuleBased);
+  EXPECT_EQ(ParseAgent("idle").kind, AgentSpec::Kind::kRuleBased);
 }
 
 TEST(ParseAgent, ReadsSearches) {
-  const AgentDescription description =
+  const AgentSpec description =
       ParseAgent("search:simulations=77,model=a/b.weights,opponents=idle");
-  EXPECT_EQ(description.kind, AgentDescription::Kind::kSearch);
+  EXPECT_EQ(description.kind, AgentSpec::Kind::kSearch);
   EXPECT_EQ(description.search.simulations, 77);
   EXPECT_EQ(description.search.opponents[0], OpponentModel::kIdle);
   EXPECT_EQ(description.model_file, "a/b.weights");
@@ -39,7 +39,7 @@ TEST(ParseAgent, ReadsSearches) {
 }
 
 TEST(ParseAgent, ReadsRawNetworks) {
-  EXPECT_EQ(ParseAgent("raw:model=x").kind, AgentDescription::Kind::kRawNetwork);
+  EXPECT_EQ(ParseAgent("raw:model=x").kind, AgentSpec::Kind::kRawNetwork);
   EXPECT_EQ(ParseAgent("raw:model=x").model_file, "x");
 }
 

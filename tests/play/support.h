@@ -95,7 +95,8 @@ inline GameSetup SetupOfSeats(std::array<Seat, kAgentCount> seats, std::uint64_t
   return {settings, {BoardGenerator::kOfficial, StartCorners::kPermuted}, seats, seed};
 }
 
-inline constexpr Seat kSearching = {.searches = true};
+inline constexpr Seat kSearching = {
+    .searches = true, .teaches = Teaches::kSearch, .measured = true};
 inline constexpr Seat kSimpleUnbiasedSeat = {.searches = false,
                                              .policy = PolicyKind::kSimpleUnbiased};
 
@@ -109,7 +110,7 @@ inline GameRecord PlayGame(const GamePlan& plan) {
     game.Scatter(batches);
     batches.Clear();
   }
-  return game.TakeRecord();
+  return game.record();
 }
 
 // Gives out one plan per ticket and keeps the records, by ticket.
@@ -124,8 +125,7 @@ class ListHost : public GameHost {
     return plan;
   }
   void GameFinished(int /*slot*/, Game& game) override {
-    const std::uint64_t ticket = game.record().ticket;
-    records[ticket] = game.TakeRecord();
+    records[game.record().ticket] = game.record();
   }
   [[nodiscard]] virtual GamePlan PlanOf(int slot, std::uint64_t ticket) = 0;
 
@@ -148,7 +148,7 @@ class SearchHost final : public ListHost {
     seats[seat] = kSearching;
     GamePlan plan;
     plan.setup = SetupOfSeats(seats, /*seed=*/1000 + ticket);
-    plan.players[seat] = {AgentOf(slot), {evaluator_, /*weights_version=*/0}};
+    plan.agents[seat] = {AgentOf(slot), {evaluator_, /*weights_version=*/0}};
     return plan;
   }
 

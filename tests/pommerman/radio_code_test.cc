@@ -105,8 +105,8 @@ TEST(MateTrackerTest, ABeliefThatListensIsCloserToTheTruth) {
     std::array<RuleBasedSeat, kAgentCount> seats;
     for (AgentId id = 0; id < kAgentCount; ++id) seats[id] = RuleBasedSeat(setup, id);
     State state = GenerateStart(settings, setup.start, BoardRng(setup));
-    Belief deaf(settings, {});
-    Belief listening(settings, {});
+    Belief deaf(settings);
+    Belief listening(settings);
     while (state.agents[0].alive && state.agents[2].alive && !OutcomeOf(settings, state).done) {
       Observation observation = Observe(settings, state, 0);
       listening.Observe(observation);

@@ -4,7 +4,7 @@
 
 #include "common/pommerman/belief.h"
 #include "common/pommerman/step.h"
-#include "common/record/recorded_format.h"
+#include "tools/official/recorded_format.h"
 #include "common/record/rule_based_seat.h"
 #include "tests/search/search_support.h"
 
@@ -178,7 +178,7 @@ class Watcher {
   [[nodiscard]] const OpponentModels& models() const { return models_; }
 
  private:
-  Belief belief_{kFog, {}};
+  Belief belief_{kFog};
   OpponentModels models_;
 };
 

@@ -69,7 +69,7 @@ struct Score {
 class Match {
  public:
   Match(const Knowledge& knowledge, int simulations, std::uint64_t first_seed, std::uint64_t game)
-      : self_(static_cast<AgentId>(game % kAgentCount)), belief_(setup_.settings, {}) {
+      : self_(static_cast<AgentId>(game % kAgentCount)), belief_(setup_.settings) {
     setup_.seed = first_seed + game / kAgentCount;
     setup_.start.corners = StartCorners::kPermuted;
     setup_.seats.fill({.searches = false, .policy = PolicyKind::kSimpleUnbiased});

@@ -1,4 +1,4 @@
-#include "actors/search/search_settings.h"
+#include "common/config/search_settings.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
