@@ -5,6 +5,7 @@
 #include "common/pommerman/step.h"
 #include "tests/play/support.h"
 #include "tests/pommerman/board_reader.h"
+#include "tests/search/settings_from_text.h"
 
 namespace powderkeg {
 namespace {

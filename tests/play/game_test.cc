@@ -8,6 +8,7 @@
 #include "actors/play/plain_agents.h"
 #include "common/pommerman/step.h"
 #include "tests/play/support.h"
+#include "tests/search/settings_from_text.h"
 
 namespace powderkeg {
 namespace {
@@ -123,12 +124,10 @@ TEST(Game, PassesTheMatesLastWordsOnInRadioGames) {
 TEST(Game, WordsFollowFromTheRecord) {
   GamePlan plan = PlanOfSeats({kSearching, kSimpleUnbiasedSeat, kSearching, kSearching},
                               /*seed=*/3, GameSettingsFor("PommeRadioCompetition-v2").value());
-  std::array<SearchAgent, 3> agents = {SearchAgent(ParseSearchSettings("simulations=4")),
-                                       SearchAgent(ParseSearchSettings("simulations=4")),
-                                       SearchAgent(ParseSearchSettings("simulations=4"))};
+  std::vector<std::unique_ptr<Agent>> agents;
   for (const AgentId seat : {0, 2, 3}) {
-    plan.agents[seat] = {&agents[seat == 0 ? 0 : seat - 1],
-                         {std::make_shared<UniformEvaluator>(), 0}};
+    agents.push_back(std::make_unique<SearchAgent>(ParseSearchSettings("simulations=4")));
+    plan.agents[seat] = {agents.back().get(), {std::make_shared<UniformEvaluator>(), 0}};
   }
   Game game;
   EvaluationBatches batches;

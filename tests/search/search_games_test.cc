@@ -9,6 +9,7 @@
 #include "common/pommerman/observation.h"
 #include "tests/search/hash_evaluator.h"
 #include "tests/search/search_support.h"
+#include "tests/search/settings_from_text.h"
 
 namespace powderkeg {
 namespace {
