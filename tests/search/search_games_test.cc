@@ -60,7 +60,7 @@ void PlayGame(const SearchSettings& settings, const GameSettings& game, std::uin
       actions[id] = result.best;
     }
     outcome = Advance(game, actions, state);
-    for (OpponentModels& observed : models) observed.ObserveStep(known, state);
+    for (OpponentModels& observed : models) observed.ObserveStep({known}, {state});
   }
 }
 
