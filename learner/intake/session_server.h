@@ -119,8 +119,9 @@ class SessionServer {
   void ReceiveSome();
   void Handle(Incoming& incoming);
   void HandleFrom(Session& session, WireMessage& message);
-  void OpenSession(const PeerId& peer, const Hello& hello);
-  [[nodiscard]] std::optional<Refused> Objection(const Hello& hello) const;
+  void OpenSession(const Incoming& incoming, const Hello& hello);
+  [[nodiscard]] std::optional<Refused> Objection(const Hello& hello,
+                                                 const std::string& key_owner) const;
   void ReplaceNamesake(const Hello& hello);
   void TakeGames(Session& session, Games& games);
   void AnswerRequest(Session& session, const WeightsRequest& request);
