@@ -43,6 +43,15 @@ LiveStatus StatusOf(const LearnerLoop::Progress& progress, const IntakeStatistic
   return status;
 }
 
+// Of a game that was verified before it was stored.
+Lessons LessonsOf(const GameRecord& game) {
+  auto made = MakeLessons(game);
+  if (const auto* reason = std::get_if<std::string>(&made)) {
+    throw Error(StrCat("the stored game of ticket ", game.ticket, " is refused: ", *reason));
+  }
+  return std::get<Lessons>(std::move(made));
+}
+
 }  // namespace
 
 Learner::Learner(const LearnerSettings& settings)
@@ -118,7 +127,7 @@ std::vector<std::uint64_t> Learner::LoadGames() {
         known.push_back(ticket);
         return loop_.Wants(ticket);
       },
-      [&](GameRecord&& game) { loop_.Add(std::get<Lessons>(MakeLessons(game))); });
+      [&](GameRecord&& game) { loop_.Add(LessonsOf(game)); });
   return known;
 }
 
