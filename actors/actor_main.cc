@@ -1,17 +1,14 @@
 // actor: plays games for a learner.
 
 #include <signal.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <optional>
-#include <random>
 #include <string>
 #include <thread>
 
@@ -20,6 +17,7 @@
 #include "common/base/check.h"
 #include "common/base/log.h"
 #include "common/base/name.h"
+#include "common/base/unique.h"
 #include "common/base/worker.h"
 #include "common/wire/zmq_transport.h"
 
@@ -44,14 +42,8 @@ struct Arguments {
 // EX_TEMPFAIL of sysexits.h: the same again, later, may work.
 constexpr int kGaveUp = 75;
 
-std::string DefaultName() {
-  std::array<char, 64> host{};
-  if (gethostname(host.data(), host.size() - 1) != 0) return "actor";
-  return host.data();
-}
-
 void AddOptions(CLI::App& app, Arguments& arguments) {
-  arguments.name = DefaultName();
+  arguments.name = HostName().empty() ? "actor" : HostName();
   app.add_option("--learner", arguments.learner, "tcp://HOST:PORT or ipc://PATH")->required();
   app.add_option("--name", arguments.name, "unique in the run");
   app.add_option("--loops", arguments.loops, "threads that play")->check(CLI::Range(1u, kMaxLoops));
@@ -77,12 +69,11 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
 }
 
 SelfPlaySettings SettingsOf(const Arguments& arguments) {
-  std::random_device entropy;
   SelfPlaySettings settings;
   settings.session.run_id = arguments.run_id;
-  settings.session.build = "powderkeg 0.1.0";
+  settings.session.build = "powderkeg " POWDERKEG_VERSION;
   settings.session.name = arguments.name;
-  settings.session.incarnation = std::uint64_t{entropy()} << 32 | entropy();
+  settings.session.incarnation = UniqueNumber();
   settings.session.loops = arguments.loops;
   settings.session.give_up = std::chrono::seconds(arguments.give_up_s);
   settings.spool = arguments.spool;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "actors/play/agent_pool.h"
 #include "common/base/check.h"
 #include "common/base/worker.h"
 #include "common/pommerman/board_text.h"
@@ -29,7 +30,7 @@ int SeatCount(const GameSettings& settings) {
 AgentId SeatOf(int role, int number, int seats) { return (role + number) % seats; }
 
 // Without a network, games side by side only crowd the caches.
-int GamesInFlight(const MatchSettings& settings, const Lineup& lineup) {
+int GamesInFlight(const MatchSettings& settings, const MatchLineup& lineup) {
   if (settings.games_in_flight > 0) return settings.games_in_flight;
   constexpr int kWithModel = 16;
   const bool plain =
@@ -37,7 +38,7 @@ int GamesInFlight(const MatchSettings& settings, const Lineup& lineup) {
   return plain ? 1 : kWithModel;
 }
 
-std::vector<int> MeasuredRoles(const Lineup& lineup, Mode mode) {
+std::vector<int> MeasuredRoles(const MatchLineup& lineup, Mode mode) {
   if (IsTeamMode(mode) && lineup[2].text == lineup[0].text) return {0, 2};
   return {0};
 }
@@ -111,12 +112,12 @@ std::string SavePosition(const State& state, const std::string& path) {
 // The games of one thread.
 class MatchThread final : public GameHost {
  public:
-  MatchThread(const Lineup& lineup, const MatchSettings& settings, const std::vector<int>& roles,
+  MatchThread(const MatchLineup& lineup, const MatchSettings& settings, const std::vector<int>& roles,
               const ModelLoader& loader)
       : lineup_(lineup),
         settings_(settings),
         roles_(roles),
-        slots_(static_cast<std::size_t>(settings.games_in_flight)) {
+        agents_({lineup.begin(), lineup.end()}) {
     for (const AgentSpec& description : lineup) {
       if (!models_.contains(description.model_file)) {
         models_[description.model_file] = MakeModel(description.model_file, loader);
@@ -148,7 +149,8 @@ class MatchThread final : public GameHost {
     const int seats = SeatCount(settings_.game);
     for (int role = 0; role < seats; ++role) {
       const AgentId seat = SeatOf(role, *number, seats);
-      if (plan.setup.seats[seat].searches) plan.players[seat] = PlayerOf(slot, role);
+      if (plan.setup.seats[seat].searches) plan.agents[seat] = {agents_.At(slot, seat, static_cast<std::size_t>(role)),
+                             models_.at(lineup_[role].model_file)};
     }
     return plan;
   }
@@ -171,8 +173,6 @@ class MatchThread final : public GameHost {
   }
 
  private:
-  using Agents = std::array<std::unique_ptr<Agent>, kAgentCount>;  // by role
-
   void PlayGames(const std::stop_token& stop) {
     const Clock::time_point start = Clock::now();
     moves_ = 0;
@@ -194,12 +194,6 @@ class MatchThread final : public GameHost {
     return moves;
   }
 
-  SeatedAgent PlayerOf(int slot, int role) {
-    std::unique_ptr<Agent>& agent = slots_[static_cast<std::size_t>(slot)][role];
-    if (agent == nullptr) agent = MakeAgent(lineup_[role]);
-    return {agent.get(), models_.at(lineup_[role].model_file)};
-  }
-
   // The first agent, by role, that the evaluator answers.
   [[nodiscard]] std::string AgentOf(const Evaluator* evaluator) const {
     const auto agent = std::ranges::find_if(lineup_, [&](const AgentSpec& description) {
@@ -208,16 +202,16 @@ class MatchThread final : public GameHost {
     return agent == lineup_.end() ? "unknown" : agent->text;
   }
 
-  const Lineup& lineup_;
+  const MatchLineup& lineup_;
   const MatchSettings& settings_;
   const std::vector<int>& roles_;
   Scoreboard* scoreboard_ = nullptr;     // of this go
   std::uint64_t moves_ = 0;              // of the measured agent in this go
   std::map<std::string, Model> models_;  // by file
-  std::vector<Agents> slots_;            // made when first needed, then reused
+  AgentPool agents_;
 };
 
-GameSetup SetupOf(const MatchSettings& settings, const Lineup& lineup, int number) {
+GameSetup SetupOf(const MatchSettings& settings, const MatchLineup& lineup, int number) {
   GameSetup setup;
   setup.settings = settings.game;
   setup.start = settings.start;
@@ -227,12 +221,13 @@ GameSetup SetupOf(const MatchSettings& settings, const Lineup& lineup, int numbe
     const AgentSpec& description = lineup[role];
     setup.seats[SeatOf(role, number, seats)] = {
         .searches = description.kind != AgentSpec::Kind::kRuleBased,
-        .policy = description.policy};
+        .policy = description.policy,
+        .player = static_cast<std::uint8_t>(role)};
   }
   return setup;
 }
 
-MatchPlayer::MatchPlayer(const Lineup& lineup, const MatchSettings& settings,
+MatchPlayer::MatchPlayer(const MatchLineup& lineup, const MatchSettings& settings,
                          const ModelLoader& loader)
     : lineup_(lineup), settings_(settings) {
   CHECK(settings.threads > 0 && settings.games > 0, settings.threads, " ", settings.games);

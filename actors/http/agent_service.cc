@@ -103,14 +103,15 @@ ServiceReply AgentService::InitAgent(std::string_view body) {
 }
 
 ServiceReply AgentService::Act(std::string_view body, Clock::time_point arrival) {
-  const auto parsed = ParseActionRequest(body);
+  auto parsed = ParseActionRequest(body);
   const Clock::time_point understood = Clock::now();
   const std::lock_guard lock(mutex_);
   if (const auto* refusal = std::get_if<Refusal>(&parsed)) return Refused(400, refusal->reason);
-  const auto& request = std::get<ActionRequest>(parsed);
+  auto& request = std::get<ActionRequest>(parsed);
   if (const std::string conflict = Conflict(request); !conflict.empty()) {
     return Refused(409, conflict);
   }
+  Believe(request);
   const Clock::time_point deadline =
       settings_.move_time.count() > 0 ? arrival + settings_.move_time : kNever;
   thinker_.Start(Observe(request), deadline);
@@ -171,6 +172,15 @@ std::string AgentService::Conflict(const ActionRequest& request) const {
                   request.observation.self);
   }
   return {};
+}
+
+void AgentService::Believe(ActionRequest& request) {
+  if (!request.step_known && game_) {
+    request.observation.step =
+        static_cast<std::uint16_t>(std::min(game_->step + 1, request.settings.max_steps - 1));
+  }
+  if (request.believed.empty() || std::exchange(belief_said_, true)) return;
+  log::Warn("observations lack what is then believed", "keys", request.believed);
 }
 
 Briefing AgentService::Observe(const ActionRequest& request) {

@@ -100,6 +100,8 @@ class AgentService {
   [[nodiscard]] ServiceReply Refused(int status, std::string_view reason);
   // Why the request does not fit the last InitAgent; empty if it does.
   [[nodiscard]] std::string Conflict(const ActionRequest& request) const;
+  // Says, once, what the observations of this runner do not say; counts its steps if they do not.
+  void Believe(ActionRequest& request);
   // Takes the observation into the game, a new one if it does not follow.
   [[nodiscard]] Briefing Observe(const ActionRequest& request);
   // Takes in what the mate says (radio games); where it must be.
@@ -112,6 +114,7 @@ class AgentService {
   mutable std::mutex mutex_;  // guards what follows
   std::optional<InitRequest> init_;
   std::optional<Game> game_;
+  bool belief_said_ = false;
   ServiceStatistics statistics_;
   Thinker thinker_;
 };

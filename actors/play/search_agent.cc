@@ -54,7 +54,6 @@ std::optional<Decision> SearchAgent::decision() const {
   if (!result().searched || !visited) return std::nullopt;
   Decision decision;
   decision.step = belief_->state().step;
-  decision.agent = static_cast<std::uint8_t>(belief_->self());
   if (result().full_search) decision.visits = RecordedVisits(result().target);
   decision.value = result().value;
   return decision;

@@ -36,15 +36,6 @@ std::uint32_t AsCount(double share) {
   return static_cast<std::uint32_t>(share * kImprovedPolicyScale + 0.5);
 }
 
-SearchSettings WithoutExploration(SearchSettings settings) {
-  settings.noise_weight = 0;
-  settings.exploratory_start = 0;
-  settings.forced_playouts = 0;
-  settings.gumbel_scale = 0;
-  settings.temperature = 0;
-  return settings;
-}
-
 bool IsAlive(const State& state, AgentId agent) {
   return state.agents[static_cast<std::size_t>(agent)].alive;
 }

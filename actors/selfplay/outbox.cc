@@ -64,7 +64,10 @@ std::size_t EntrySize(const SealedGame& game) {
 std::optional<SealedGame> GameAt(std::string_view bytes) {
   if (bytes.size() < kEntryHeader + kPayloadHeader) return std::nullopt;
   const std::size_t size = NumberAt(bytes, 0, 4);
-  if (size < kPayloadHeader || size > bytes.size() - kEntryHeader) return std::nullopt;
+  if (size < kPayloadHeader || size > kPayloadHeader + kMaxRecordBytes ||
+      size > bytes.size() - kEntryHeader) {
+    return std::nullopt;
+  }
   const std::string_view payload = bytes.substr(kEntryHeader, size);
   if (Crc32c(BytesOf(payload)) != NumberAt(bytes, 4, 4)) return std::nullopt;
   SealedGame game{.ticket = NumberAt(payload, 0, 8),
@@ -120,9 +123,13 @@ Outbox::Outbox(const std::filesystem::path& folder, std::size_t limit_bytes)
     run_id_.assign(run_id.begin(), run_id.end());
   }
   Load();
+  syncer_ = std::make_unique<Worker>("spool", [this](const auto& stop) { RunSync(stop); });
 }
 
-Outbox::~Outbox() { close(file_); }
+Outbox::~Outbox() {
+  syncer_.reset();
+  close(file_);
+}
 
 void Outbox::Load() {
   const std::string bytes = ReadAll(file_, path_);
@@ -135,30 +142,41 @@ void Outbox::Load() {
   if (!bytes.starts_with(kMagic)) {
     throw Error(StrCat("outbox: ", path_, " is not a spool; expected \"", kMagic, "\" first"));
   }
-  file_bytes_ = kMagic.size();
-  while (auto game = GameAt(std::string_view(bytes).substr(file_bytes_))) {
-    file_bytes_ += EntrySize(*game);
+  std::size_t whole = 0;  // bytes of whole entries
+  for (std::size_t at = file_bytes_ = kMagic.size(); at < bytes.size();) {
+    auto game = GameAt(std::string_view(bytes).substr(at));
+    if (!game) {
+      ++at;  // the next entry may begin anywhere
+      continue;
+    }
+    whole += EntrySize(*game);
+    file_bytes_ = at += EntrySize(*game);
     if (!numbers_.emplace(game->ticket, last_number_ + 1).second) continue;
     record_bytes_ += game->record.size();
     games_.emplace(++last_number_, *std::move(game));
   }
-  if (file_bytes_ == bytes.size()) return;
-  log::Warn("outbox: dropped a damaged end", "file", path_.string(), "bytes",
-            bytes.size() - file_bytes_);
+  const std::size_t damaged = bytes.size() - kMagic.size() - whole;
+  if (damaged == 0) return;
+  log::Warn("outbox: dropped what is damaged", "file", path_.string(), "bytes", damaged,
+            "games_left", games_.size());
+  if (file_bytes_ > kMagic.size() + whole) return Rewrite();
   if (ftruncate(file_, static_cast<off_t>(file_bytes_)) != 0) Fail("shorten", path_);
 }
 
 std::vector<std::uint64_t> Outbox::ServeRun(const std::string& run_id) {
-  const std::lock_guard lock(mutex_);
   std::vector<std::uint64_t> tickets;
   if (run_id == run_id_) return tickets;
-  if (!run_id_.empty() && !games_.empty()) tickets = SetAside();
+  if (!run_id_.empty()) tickets = SetAside();
   WriteFileDurably(run_path_, BytesOf(run_id));
   run_id_ = run_id;
   return tickets;
 }
 
 std::vector<std::uint64_t> Outbox::SetAside() {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::uint64_t> tickets;
+  for (const auto& [ticket, number] : numbers_) tickets.push_back(ticket);
+  if (tickets.empty()) return tickets;
   std::string run = run_id_;
   std::ranges::replace(run, '/', '_');
   std::filesystem::path aside;
@@ -172,8 +190,6 @@ std::vector<std::uint64_t> Outbox::SetAside() {
   close(file_);
   file_ = file;
   file_bytes_ = kMagic.size();
-  std::vector<std::uint64_t> tickets;
-  for (const auto& [ticket, number] : numbers_) tickets.push_back(ticket);
   log::Warn("set games of another run aside", "run", run_id_, "games", tickets.size(), "file",
             aside.string());
   games_.clear();
@@ -186,17 +202,18 @@ std::vector<std::uint64_t> Outbox::SetAside() {
 void Outbox::Add(SealedGame game) {
   const std::lock_guard lock(mutex_);
   if (numbers_.contains(game.ticket)) return;
+  if (sync_failed_) throw Error(StrCat("outbox: the disk of ", path_, " has failed"));
   Append(EntryOf(game));
   record_bytes_ += game.record.size();
   numbers_[game.ticket] = ++last_number_;
   games_.emplace(last_number_, std::move(game));
+  unsynced_ = true;
 }
 
 // Half an entry would hide those that come after it.
 void Outbox::Append(const std::string& entry) {
   try {
     WriteAll(file_, entry, path_);
-    if (fdatasync(file_) != 0) Fail("sync", path_);
   } catch (const Error&) {
     if (ftruncate(file_, static_cast<off_t>(file_bytes_)) != 0) Fail("shorten", path_);
     throw;
@@ -204,35 +221,67 @@ void Outbox::Append(const std::string& entry) {
   file_bytes_ += entry.size();
 }
 
-void Outbox::Remove(std::uint64_t ticket) {
-  const std::lock_guard lock(mutex_);
-  const auto number = numbers_.find(ticket);
-  if (number == numbers_.end()) return;
-  const auto game = games_.find(number->second);
-  record_bytes_ -= game->second.record.size();
-  games_.erase(game);
-  numbers_.erase(number);
-  removed_.notify_all();
-  if (games_.empty()) {
-    file_bytes_ = kMagic.size();
-    if (ftruncate(file_, static_cast<off_t>(file_bytes_)) != 0) Fail("empty", path_);
-  } else if (file_bytes_ > 2 * record_bytes_ + kRewriteBytes) {
-    Rewrite();
+// Under a copy of the descriptor: whoever adds games or rewrites the file does not wait.
+void Outbox::RunSync(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    stopped_.wait_for(lock, stop, kSyncInterval, [] { return false; });
+    if (!std::exchange(unsynced_, false)) continue;
+    const int file = fcntl(file_, F_DUPFD_CLOEXEC, 0);
+    lock.unlock();
+    const bool synced = file >= 0 && fdatasync(file) == 0;
+    if (!synced) log::Error("outbox: cannot sync", "file", path_.string(), "error", errno);
+    if (file >= 0) close(file);
+    lock.lock();
+    sync_failed_ = !synced;
   }
 }
 
-// Whole or not at all: temporary file, fsync, rename.
+void Outbox::Remove(std::uint64_t ticket) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto number = numbers_.find(ticket);
+    if (number == numbers_.end()) return;
+    const auto game = games_.find(number->second);
+    record_bytes_ -= game->second.record.size();
+    games_.erase(game);
+    numbers_.erase(number);
+    removed_.notify_all();
+    if (games_.empty()) {
+      file_bytes_ = kMagic.size();
+      if (ftruncate(file_, static_cast<off_t>(file_bytes_)) != 0) Fail("empty", path_);
+    }
+    if (file_bytes_ <= 2 * record_bytes_ + kRewriteBytes) return;
+  }
+  Rewrite();
+}
+
+// Whole or not at all: temporary file, fsync, rename. What is added meanwhile is added to it.
 void Outbox::Rewrite() {
   const std::filesystem::path temporary = path_.string() + ".new";
   const int file = OpenLocked(temporary, O_TRUNC);
   std::string bytes(kMagic);
-  for (const auto& [number, game] : games_) bytes += EntryOf(game);
+  std::uint64_t written = 0;
+  const auto collect = [&] {
+    for (auto game = games_.upper_bound(written); game != games_.end(); ++game) {
+      bytes += EntryOf(game->second);
+      written = game->first;
+    }
+  };
+  std::unique_lock lock(mutex_);
+  collect();
+  lock.unlock();
   WriteAll(file, bytes, temporary);
   if (fdatasync(file) != 0) Fail("sync", temporary);
+  lock.lock();
+  const std::size_t synced = bytes.size();
+  collect();
+  WriteAll(file, std::string_view(bytes).substr(synced), temporary);
   if (std::rename(temporary.c_str(), path_.c_str()) != 0) Fail("rename", temporary);
   close(file_);
   file_ = file;
   file_bytes_ = bytes.size();
+  unsynced_ = true;
 }
 
 std::vector<SealedGame> Outbox::Batch(std::uint64_t& cursor, std::size_t max_bytes) const {

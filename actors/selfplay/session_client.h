@@ -13,8 +13,10 @@
 #include <stop_token>
 #include <string>
 
+#include "actors/selfplay/connection.h"
 #include "actors/selfplay/outbox.h"
 #include "actors/selfplay/ticket_book.h"
+#include "actors/selfplay/weights_fetcher.h"
 #include "common/base/rng.h"
 #include "common/base/worker.h"
 #include "common/model/weights_snapshot.h"
@@ -36,6 +38,7 @@ struct SessionClientSettings {
   std::chrono::milliseconds last_backoff{10'000};
   // Time without a session after which it ends; 0: it looks for the learner for ever.
   std::chrono::milliseconds give_up{0};
+  std::size_t weights_kept = 8;  // versions in memory besides the newest
 };
 
 // Owns the io thread and its connection, from construction to Leave. Reconnects until it gives up;
@@ -58,9 +61,12 @@ class SessionClient {
   // settings.
   [[nodiscard]] std::shared_ptr<const Welcome> welcome() const;
   // The newest weights, whole and checked; null before the first.
-  [[nodiscard]] Snapshot weights() const;
+  [[nodiscard]] Snapshot weights() const { return weights_.newest(); }
   // Whether the learner has said that there are no weights yet: play by the uniform evaluator.
-  [[nodiscard]] bool no_weights_yet() const;
+  [[nodiscard]] bool no_weights_yet() const { return weights_.none_yet(); }
+  // The weights of any version that the learner has. Does not wait: what is neither here nor said
+  // to be gone comes later.
+  [[nodiscard]] WantedWeights Want(std::uint32_t version) { return weights_.Want(version); }
   // Waits until any of the above or ended() changed since the call of `version`, or time is up.
   [[nodiscard]] std::uint64_t version() const;
   void WaitForChange(std::uint64_t version, std::chrono::milliseconds timeout) const;
@@ -77,43 +83,12 @@ class SessionClient {
  private:
   using Clock = std::chrono::steady_clock;
 
-  // How a connection ended.
-  enum class End : std::uint8_t { kRetry, kOver };
-  struct Download {
-    WeightsOffer offer;
-    std::string bytes;               // so far
-    Clock::time_point requested_at;  // the next chunk
-  };
-  // One connection.
-  struct Connection {
-    std::unique_ptr<ClientChannel> channel;
-    bool greeted = false;      // Hello was taken by the channel
-    bool welcomed = false;     // Welcome has come
-    std::uint64_t cursor = 0;  // in the outbox: what was sent on this connection
-    Clock::time_point last_heard;
-    Clock::time_point last_heartbeat;
-    std::optional<End> end;
-  };
-
   void Run(const std::stop_token& stop);
+  void Serve(Connection& connection);
+  void Publish(const Welcome& welcome);
+  [[nodiscard]] Hello Greeting() const;
   [[nodiscard]] bool IsTooLong(Clock::duration absence) const;
   void Pause(std::chrono::milliseconds backoff);
-  [[nodiscard]] End Serve(Connection& connection);
-  void Greet(Connection& connection);
-  void SendGames(Connection& connection);
-  void SendHeartbeat(Connection& connection, Clock::time_point now);
-  void CheckDownload(Connection& connection, Clock::time_point now);
-  void CheckSilence(Connection& connection, Clock::time_point now) const;
-  void CheckLeaving(Connection& connection, Clock::time_point now);
-  void Handle(Connection& connection, const std::string& bytes);
-  void Handle(Connection& connection, const Welcome& welcome);
-  void Handle(Connection& connection, const Refused& refused);
-  void Handle(Connection& connection, const Ack& ack);
-  void Handle(Connection& connection, const WeightsOffer& offer);
-  void Handle(Connection& connection, WeightsChunk& chunk);
-  void Handle(Connection& connection, const Goodbye& goodbye);
-  void RequestChunk(Connection& connection);
-  void FinishDownload(Connection& connection);
   void Changed();
   [[nodiscard]] std::optional<Clock::time_point> deadline() const;
 
@@ -123,19 +98,12 @@ class SessionClient {
   TicketBook& tickets_;
   const std::function<Heartbeat()> statistics_;
   const Waker waker_;
-
-  // The io thread's.
-  std::chrono::milliseconds heartbeat_{1000};
-  std::chrono::milliseconds dead_after_;
-  std::optional<Download> download_;
-  std::optional<WeightsOffer> held_;  // what weights_ were offered as
-  Rng rng_;
+  WeightsFetcher weights_;
+  Rng rng_;  // the io thread's
 
   mutable std::mutex mutex_;  // guards these
   mutable std::condition_variable changed_;
   std::shared_ptr<const Welcome> welcome_;
-  Snapshot weights_;
-  bool no_weights_yet_ = false;
   std::uint64_t version_ = 0;
   std::optional<Clock::time_point> deadline_;  // set when leaving
 

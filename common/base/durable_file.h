@@ -22,7 +22,8 @@ void WriteFileDurably(const std::filesystem::path& path, std::span<const std::ui
 // Throws Error if there is no such file or it cannot be removed; SyncFolder makes it durable.
 void RemoveFile(const std::filesystem::path& path);
 
-// Makes the removal or renaming of files in `folder` durable. Throws Error.
+// Makes the removal or renaming of files in `folder` durable. On a file system that cannot do so
+// it says that once in the log and trusts it. Throws Error.
 void SyncFolder(const std::filesystem::path& folder);
 
 // Creates the folder and its parents if missing. Throws Error.

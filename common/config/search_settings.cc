@@ -70,6 +70,16 @@ SearchSettings KataGoSettings() {
   return settings;
 }
 
+SearchSettings WithoutExploration(SearchSettings settings) {
+  settings.noise_weight = 0;
+  settings.exploratory_start = 0;
+  settings.forced_playouts = 0;
+  settings.gumbel_scale = 0;
+  settings.temperature = 0;
+  settings.full_search_share = 1;
+  return settings;
+}
+
 OptionTable<SearchSettings> SearchOptions() {
   static const std::vector<Option<SearchSettings>> table = {
       PresetOption(),

@@ -78,6 +78,9 @@ struct SearchSettings {
 // target; the others are short.
 [[nodiscard]] SearchSettings KataGoSettings();
 
+// The same search as strong as it can play: no noise, no drawing of moves, no short searches.
+[[nodiscard]] SearchSettings WithoutExploration(SearchSettings settings);
+
 // Every option. The first is "preset" (default | paper | gumbel | katago), which replaces all
 // others by those of the settings above.
 [[nodiscard]] OptionTable<SearchSettings> SearchOptions();

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "common/base/check.h"
@@ -96,24 +97,29 @@ void Write(const Ack& ack, proto::Envelope& envelope) {
   AddAll(ack.tickets, message.mutable_tickets());
 }
 
-void Write(const WeightsOffer& offer, proto::Envelope& envelope) {
-  proto::WeightsOffer& message = *envelope.mutable_weights_offer();
+void Write(const WeightsOffer& offer, proto::WeightsOffer& message) {
   message.set_version(offer.version);
   message.set_size_bytes(offer.size_bytes);
-  if (offer.version > 0) message.set_sha256(ToBytes(offer.sha256));
+  if (offer.size_bytes > 0) message.set_sha256(ToBytes(offer.sha256));
+}
+
+void Write(const WeightsOffer& offer, proto::Envelope& envelope) {
+  Write(offer, *envelope.mutable_weights_offer());
 }
 
 void Write(const WeightsRequest& request, proto::Envelope& envelope) {
   proto::WeightsRequest& message = *envelope.mutable_weights_request();
   message.set_version(request.version);
   message.set_offset_bytes(request.offset_bytes);
+  message.set_receipt(request.receipt);
 }
 
 void Write(const WeightsChunk& chunk, proto::Envelope& envelope) {
   proto::WeightsChunk& message = *envelope.mutable_weights_chunk();
-  message.set_version(chunk.version);
+  Write(chunk.offer, *message.mutable_offer());
   message.set_offset_bytes(chunk.offset_bytes);
   message.set_data(chunk.data);
+  message.set_receipt(chunk.receipt);
 }
 
 void Write(const Heartbeat& heartbeat, proto::Envelope& envelope) {
@@ -231,27 +237,43 @@ Decoded<WireMessage> Read(const proto::Ack& message) {
   return ack;
 }
 
-Decoded<WireMessage> Read(const proto::WeightsOffer& message) {
-  WeightsOffer offer{
-      .version = message.version(), .size_bytes = message.size_bytes(), .sha256 = {}};
-  if (offer == WeightsOffer{} && message.sha256().empty()) return offer;
+std::optional<Malformed> ReadOffer(const proto::WeightsOffer& message, WeightsOffer& offer) {
+  offer.version = message.version();
+  offer.size_bytes = message.size_bytes();
+  if (offer.size_bytes == 0 && message.sha256().empty()) return std::nullopt;
   if (offer.version < 1) return OutOfRange("weights version");
   if (offer.size_bytes < 1 || offer.size_bytes > kMaxWeightsBytes) {
     return OutOfRange("size of the weights");
   }
   if (!ReadDigest(message.sha256(), offer.sha256)) return OutOfRange("digest of the weights");
+  return std::nullopt;
+}
+
+Decoded<WireMessage> Read(const proto::WeightsOffer& message) {
+  WeightsOffer offer;
+  if (auto fault = ReadOffer(message, offer)) return *std::move(fault);
+  if (offer.size_bytes == 0 && offer.version > 0) return OutOfRange("size of the weights");
   return offer;
 }
 
 Decoded<WireMessage> Read(const proto::WeightsRequest& message) {
-  return WeightsRequest{.version = message.version(), .offset_bytes = message.offset_bytes()};
+  return WeightsRequest{.version = message.version(),
+                        .offset_bytes = message.offset_bytes(),
+                        .receipt = message.receipt()};
 }
 
 Decoded<WireMessage> Read(proto::WeightsChunk& message) {
-  if (message.data().size() > kMaxChunkBytes) return OutOfRange("size of a chunk");
-  return WeightsChunk{.version = message.version(),
-                      .offset_bytes = message.offset_bytes(),
-                      .data = std::move(*message.mutable_data())};
+  WeightsChunk chunk{.offer = {},
+                     .offset_bytes = message.offset_bytes(),
+                     .data = std::move(*message.mutable_data()),
+                     .receipt = message.receipt()};
+  if (auto fault = ReadOffer(message.offer(), chunk.offer)) return *std::move(fault);
+  const std::uint64_t size = chunk.offer.size_bytes;
+  const std::size_t bytes = chunk.data.size();
+  const bool fits = bytes <= std::min<std::uint64_t>(kMaxChunkBytes, size) &&
+                    (bytes == 0 || chunk.offset_bytes <= size - bytes);
+  if (!fits || (bytes == 0) != (size == 0)) return OutOfRange("size of a chunk");
+  return chunk;
 }
 
 Decoded<WireMessage> Read(const proto::Heartbeat& message) {

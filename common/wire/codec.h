@@ -22,8 +22,8 @@ struct Malformed {
 template <typename T>
 using Decoded = std::variant<T, Malformed>;
 
-// Values of decisions are rounded to multiples of 1 / 32,767 (QuantiseValue); the rest comes back
-// as it was.
+// Values of decisions are rounded to multiples of 1 / 32,767 (QuantiseValue); the setup is not sent
+// (it follows from the ticket) and comes back empty; the rest comes back as it was.
 [[nodiscard]] std::string EncodeRecord(const GameRecord& record);
 // Checks forms and ranges; whether the game is true is for Verify.
 [[nodiscard]] Decoded<GameRecord> DecodeRecord(std::string_view bytes);

@@ -99,14 +99,17 @@ struct WeightsOffer {
 struct WeightsRequest {
   std::uint32_t version = 0;
   std::uint64_t offset_bytes = 0;
+  std::uint64_t receipt = 0;
 
   friend bool operator==(const WeightsRequest&, const WeightsRequest&) = default;
 };
 
+// Without data: the version is gone.
 struct WeightsChunk {
-  std::uint32_t version = 0;
+  WeightsOffer offer{};
   std::uint64_t offset_bytes = 0;
   std::string data{};
+  std::uint64_t receipt = 0;
 
   friend bool operator==(const WeightsChunk&, const WeightsChunk&) = default;
 };

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -16,13 +15,18 @@
 #include <string>
 #include <vector>
 
+#include "common/base/log_budget.h"
 #include "common/base/worker.h"
 #include "common/config/run_config.h"
 #include "common/model/weights_snapshot.h"
 #include "common/wire/messages.h"
 #include "common/wire/transport.h"
+#include "learner/intake/game_desk.h"
 #include "learner/intake/game_pipeline.h"
+#include "learner/intake/peer_table.h"
+#include "learner/intake/ticket_desk.h"
 #include "learner/intake/ticket_office.h"
+#include "learner/intake/weights_desk.h"
 
 namespace powderkeg {
 
@@ -50,7 +54,9 @@ struct SessionServerSettings {
   // How many games may be in play, besides the durable ones. Actors share them by their loops; at 0
   // only tickets of lost games are handed out. Asked often and on the io thread.
   std::function<std::uint64_t()> games_wanted = [] { return kAllGames; };
-  static constexpr std::uint64_t kAllGames = std::numeric_limits<std::uint64_t>::max();
+  // Past versions that actors ask for: from where, and how many stay in memory.
+  LoadWeights load_weights;
+  std::size_t weights_kept = 8;
 };
 
 struct ActorStatistics {
@@ -63,25 +69,16 @@ struct ActorStatistics {
 };
 
 // Since the start of the server.
-struct IntakeStatistics {
+struct IntakeStatistics : GameCounters {
   std::vector<ActorStatistics> actors;  // by name
-  std::uint64_t games = 0;              // made durable
-  std::uint64_t decisions = 0;          // in those
-  std::uint64_t duplicates = 0;         // games that were durable already
-  std::uint64_t rejected = 0;
-  std::uint64_t other_settings = 0;  // durable games played under other settings of the search
-  std::uint64_t malformed = 0;       // messages that could not be read
-  std::uint64_t sessions_lost = 0;   // ended by silence
-  std::size_t pending_games = 0;     // received, not yet durable
+  std::uint64_t malformed = 0;          // messages that could not be read
+  std::uint64_t sessions_lost = 0;      // ended by silence
   std::uint64_t tickets_issued = 0;
   std::uint64_t first_open_ticket = 0;  // all games below are durable
 };
 
-// How many tickets an actor is to hold: every game it plays at once and a quarter more, so that
-// slots stay busy while games wait for their acknowledgement.
-[[nodiscard]] std::size_t TicketTarget(std::uint32_t loops, int games_in_flight);
-
-// Owns the io thread (channel, sessions, tickets) and the pipeline from construction to Stop.
+// Moves messages between the channel and the desks that know the answers. Owns the io thread, which
+// the channel, the sessions and the desks belong to, and the pipeline from construction to Stop.
 // Public methods are thread-safe except Stop.
 class SessionServer {
  public:
@@ -117,60 +114,30 @@ class SessionServer {
  private:
   using Clock = std::chrono::steady_clock;
 
-  struct Session {
-    SessionId id = 0;
-    Hello hello;
-    Clock::time_point last_heard;
-    Clock::time_point last_sent;
-    Heartbeat heartbeat;
-    std::uint64_t games = 0;
-    std::uint64_t rejected = 0;
-    std::size_t pending = 0;          // games in the pipeline
-    std::uint64_t weights_bytes = 0;  // sent of the weights offered
-    bool overdue = false;             // gets no tickets until one of its games has come
-  };
-  struct PublishedWeights {
-    WeightsOffer offer;
-    std::string bytes;
-  };
-  // Lines about bad peers are limited: an attacker must not fill the disk.
-  struct LogBudget {
-    Clock::time_point second;
-    int left = 0;
-    bool Spend(Clock::time_point now);
-  };
-
   // All on the io thread.
   void RunIo(const std::stop_token& stop);
   void ReceiveSome();
   void Handle(Incoming& incoming);
-  void HandleSessionMessage(const PeerId& peer, WireMessage& message);
+  void HandleFrom(Session& session, WireMessage& message);
   void OpenSession(const PeerId& peer, const Hello& hello);
   [[nodiscard]] std::optional<Refused> Objection(const Hello& hello) const;
   void ReplaceNamesake(const Hello& hello);
-  void TakeGames(const PeerId& peer, Games& games);
-  [[nodiscard]] bool Admit(Session& session, SealedGame& game, Ack& ack);
-  void SendChunk(const PeerId& peer, const WeightsRequest& request);
+  void TakeGames(Session& session, Games& games);
+  void AnswerRequest(Session& session, const WeightsRequest& request);
   void HandleVerdicts();
-  void Settle(const Verdict& verdict, std::map<PeerId, Ack>& acks);
-  void SendAck(const PeerId& peer, const Ack& ack);
-  void TopUp(const PeerId& peer, Ack& ack);
-  [[nodiscard]] std::size_t ShareOf(const Session& session) const;
-  // New games may be wanted again, or a lost game's ticket open.
-  void TopUpEverybody();
-  void OfferNewWeights();
+  // With new tickets, in as many messages as it takes.
+  void SendAck(SessionId id, Ack ack);
   void Tick(Clock::time_point now);
-  void TakeBackOverdue(Clock::time_point now);
   void EndSilentSessions(Clock::time_point now);
   void TakeLeave();
   void UpdateStatistics(Clock::time_point now);
   [[nodiscard]] bool Full() const;
   // Ends the session if the peer does not take the message.
-  void SendToSession(const PeerId& peer, const WireMessage& message);
+  void Send(SessionId id, const WireMessage& message);
   void SendToAll(const WireMessage& message);
   // Ends the session, if there is one, and says why.
   void Refuse(const PeerId& peer, const Refused& refused);
-  void EndSession(const PeerId& peer);
+  void EndSession(const Session& session);
 
   const SessionServerSettings settings_;
   const Sha256Digest settings_digest_;
@@ -178,27 +145,24 @@ class SessionServer {
 
   // The io thread's.
   std::unique_ptr<ServerChannel> channel_;
+  PeerTable peers_;
   TicketOffice office_;
-  std::map<PeerId, Session> sessions_;
-  std::map<SessionId, PeerId> peers_;
-  SessionId last_session_ = 0;
-  std::shared_ptr<const PublishedWeights> offered_;
-  std::size_t pending_games_ = 0;
-  std::size_t pending_bytes_ = 0;
-  IntakeStatistics counters_;
-  LogBudget log_budget_;
+  TicketDesk tickets_;
+  WeightsDesk weights_;
+  std::uint64_t malformed_ = 0;
+  std::uint64_t sessions_lost_ = 0;
+  log::Budget log_budget_;
   Clock::time_point last_tick_;
-  Clock::time_point last_overdue_;  // tickets looked for
-  Clock::time_point caught_up_;     // when there was nothing left to receive
+  Clock::time_point caught_up_ = Clock::now();  // when there was nothing left to receive
 
   mutable std::mutex mutex_;  // guards these
-  std::shared_ptr<const PublishedWeights> newest_;
   IntakeStatistics statistics_;
   Goodbye goodbye_;
 
   std::atomic<bool> stopping_ = false;
   std::string endpoint_;
   GamePipeline pipeline_;
+  GameDesk games_;
   std::unique_ptr<Worker> io_;
 };
 

@@ -31,27 +31,29 @@ std::vector<std::uint64_t> TicketOffice::Grant(SessionId session, std::size_t co
     tickets.push_back(*open_.begin());
     open_.erase(open_.begin());
   }
-  while (tickets.size() < std::min(count, count_with_new)) tickets.push_back(issued_++);
+  while (tickets.size() < std::min(count, count_with_new)) {
+    const std::uint64_t ticket = issued_++;
+    if (!holders_.contains(ticket) && !durable_.Contains(ticket)) tickets.push_back(ticket);
+  }
   for (const std::uint64_t ticket : tickets) Hold(session, ticket);
   return tickets;
 }
 
 void TicketOffice::Claim(SessionId session, std::span<const std::uint64_t> tickets) {
-  const std::uint64_t limit = std::max(claim_limit_, issued_);
   for (const std::uint64_t ticket : tickets) {
-    if (ticket >= limit) continue;
-    while (issued_ <= ticket) open_.insert(open_.end(), issued_++);
-    if (open_.erase(ticket) != 0) Hold(session, ticket);
+    const bool earlier = ticket >= issued_ && ticket < claim_limit_ && !holders_.contains(ticket) &&
+                         !durable_.Contains(ticket);
+    if (open_.erase(ticket) != 0 || earlier) Hold(session, ticket);
   }
 }
 
 TicketOffice::Standing TicketOffice::StandingOf(std::uint64_t ticket) const {
-  if (ticket >= issued_) return Standing::kNeverIssued;
-  return durable_.Contains(ticket) ? Standing::kDurable : Standing::kAwaited;
+  if (durable_.Contains(ticket)) return Standing::kDurable;
+  const bool issued = ticket < issued_ || holders_.contains(ticket);
+  return issued ? Standing::kAwaited : Standing::kNeverIssued;
 }
 
 void TicketOffice::Complete(std::uint64_t ticket) {
-  CHECK(ticket < issued_, "ticket ", ticket, " of ", issued_);
   LetGo(ticket);
   open_.erase(ticket);
   durable_.Insert(ticket);
@@ -61,14 +63,14 @@ void TicketOffice::Reject(SessionId session, std::uint64_t ticket) {
   const auto holder = holders_.find(ticket);
   if (holder == holders_.end() || holder->second.session != session) return;
   LetGo(ticket);
-  open_.insert(ticket);
+  Reopen(ticket);
 }
 
 std::map<SessionId, std::size_t> TicketOffice::TakeBackOverdue() {
   std::map<SessionId, std::size_t> taken;
   std::vector<std::uint64_t> overdue;
   for (const auto& [ticket, holder] : holders_) {
-    if (holder.period == period_) continue;
+    if (holder.period == period_ || ticket >= issued_) continue;
     overdue.push_back(ticket);
     ++taken[holder.session];
   }
@@ -85,7 +87,7 @@ void TicketOffice::Release(SessionId session) {
   if (found == sessions_.end()) return;
   for (const std::uint64_t ticket : found->second) {
     holders_.erase(ticket);
-    open_.insert(ticket);
+    Reopen(ticket);
   }
   sessions_.erase(found);
 }
@@ -98,6 +100,10 @@ std::size_t TicketOffice::held(SessionId session) const {
 void TicketOffice::Hold(SessionId session, std::uint64_t ticket) {
   holders_[ticket] = {session, period_};
   sessions_[session].insert(ticket);
+}
+
+void TicketOffice::Reopen(std::uint64_t ticket) {
+  if (ticket < issued_) open_.insert(ticket);
 }
 
 void TicketOffice::LetGo(std::uint64_t ticket) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/base/rng.h"
-#include "learner/replay/samples.h"
+#include "learner/replay/lessons.h"
 
 namespace powderkeg {
 

@@ -231,28 +231,8 @@ struct Trainer::Implementation {
     return torch::from_blob(values.data(), shape, torch::kFloat32).to(device);
   }
 
-  // One step of the optimizer, on slices of the batch. False: stopped, without a step.
-  bool Step(SampleStream& stream, Rng& rng, Losses& losses, const std::stop_token& stop,
-            const std::function<void()>& slice_done) {
-    const auto batch_size = static_cast<std::size_t>(settings.training.batch_size);
-    std::vector<const Sample*> slice;
-    optimizer.zero_grad();
-    for (std::size_t left = batch_size; left > 0; left -= slice.size()) {
-      if (stop.stop_requested()) return false;
-      slice.resize(std::min(left, kSlice));
-      stream.Next(slice);
-      BuildBatch(settings.game, targets, slice, rng, batch);
-      AddGradients(losses);
-      slice_done();
-    }
-    optimizer.step();
-    ++steps;
-    samples_seen += batch_size;
-    return true;
-  }
-
-  // Of the slice in `batch`.
-  void AddGradients(Losses& losses) {
+  // Of the slice in `batch`, the sum over its samples; its parts are added to `losses`.
+  torch::Tensor LossOf(Losses& losses) {
     const auto size = static_cast<std::int64_t>(batch.size);
     const torch::Tensor planes = OnDevice(batch.planes, {size, kPlaneCount, kBoardSize, kBoardSize})
                                      .contiguous(torch::MemoryFormat::ChannelsLast);
@@ -266,14 +246,34 @@ struct Trainer::Implementation {
     const torch::Tensor logits = output.policy_logits.to(torch::kFloat32);
     const torch::Tensor policy_loss = -(policies * logits.log_softmax(1)).sum();
     const torch::Tensor value_loss = (values - output.value.to(torch::kFloat32)).square().sum();
-    const double alpha = settings.training.value_weight;
-    ((alpha * value_loss + (1 - alpha) * policy_loss) / settings.training.batch_size).backward();
     losses.policy += policy_loss.detach();
     losses.value += value_loss.detach();
     const torch::Tensor has_policy = policies.sum(1) > 0;
     losses.agreements += (logits.argmax(1).eq(policies.argmax(1)) & has_policy).sum();
     losses.policies += has_policy.sum();
     losses.samples += batch.size;
+    const double alpha = settings.training.value_weight;
+    return alpha * value_loss + (1 - alpha) * policy_loss;
+  }
+
+  // One step of the optimizer, on slices of the batch. False: stopped, without a step.
+  bool Step(SampleStream& stream, Rng& rng, Losses& losses, const std::stop_token& stop,
+            const std::function<void()>& slice_done) {
+    const auto batch_size = static_cast<std::size_t>(settings.training.batch_size);
+    std::vector<const Sample*> slice;
+    optimizer.zero_grad();
+    for (std::size_t left = batch_size; left > 0; left -= slice.size()) {
+      if (stop.stop_requested()) return false;
+      slice.resize(std::min(left, kSlice));
+      stream.Next(slice);
+      BuildBatch(settings.game, targets, slice, rng, batch);
+      (LossOf(losses) / settings.training.batch_size).backward();
+      slice_done();
+    }
+    optimizer.step();
+    ++steps;
+    samples_seen += batch_size;
+    return true;
   }
 
   [[nodiscard]] TrainingResult ResultOf(const Losses& losses, Clock::time_point start) const {
@@ -287,24 +287,22 @@ struct Trainer::Implementation {
     const double alpha = settings.training.value_weight;
     const double policy_share = policies / count;
     result.total_loss = alpha * result.value_loss + (1 - alpha) * policy_share * result.policy_loss;
-    CheckLoss(result.total_loss,
-              alpha + (1 - alpha) * policy_share * std::log(double{kActionCount}));
+    if (!std::isfinite(result.total_loss)) {
+      throw Error(StrCat("training diverged: the loss is ", result.total_loss,
+                         "; try a smaller training.learning_rate than ",
+                         settings.training.learning_rate));
+    }
     const std::chrono::duration<double> seconds = Clock::now() - start;
     result.samples_per_s = static_cast<double>(losses.samples) / seconds.count();
     return result;
   }
 
-  // `guessing`: the loss of value 0 and equal probabilities.
-  void CheckLoss(double loss, double guessing) const {
-    if (!std::isfinite(loss)) {
-      throw Error(StrCat("training diverged: the loss is ", loss,
-                         "; try a smaller training.learning_rate than ",
-                         settings.training.learning_rate));
-    }
-    if (loss > kFarAboveGuessing * guessing) {
-      log::Warn("the loss is far above that of guessing; try a smaller training.learning_rate",
-                "loss", loss, "guessing", guessing);
-    }
+  void WarnOfLoss(double loss) const {
+    const double alpha = settings.training.value_weight;
+    const double guessing = alpha + (1 - alpha) * std::log(double{kActionCount});
+    if (loss <= kFarAboveGuessing * guessing) return;
+    log::Warn("the loss is far above that of guessing; try a smaller training.learning_rate",
+              "loss", loss, "guessing", guessing);
   }
 };
 
@@ -341,7 +339,28 @@ TrainingResult Trainer::Train(const ReplayWindow& window, Rng rng, const std::st
   };
   while (done < batches && trainer.Step(stream, rng, losses, stop, slice_done)) ++done;
   TrainingResult result = trainer.ResultOf(losses, start);
+  trainer.WarnOfLoss(result.total_loss);
   result.finished = done == batches;
+  return result;
+}
+
+TrainingResult Trainer::Measure(std::span<const Sample> samples) {
+  Implementation& trainer = *implementation_;
+  const torch::NoGradGuard no_gradients;
+  trainer.network->eval();
+  Losses losses(trainer.device);
+  Rng rng(/*seed=*/0);
+  const Clock::time_point start = Clock::now();
+  for (std::size_t first = 0; first < samples.size(); first += kSlice) {
+    std::vector<const Sample*> slice;
+    for (const Sample& sample : samples.subspan(first, std::min(kSlice, samples.size() - first))) {
+      slice.push_back(&sample);
+    }
+    BuildBatch(trainer.settings.game, trainer.targets, slice, rng, trainer.batch);
+    (void)trainer.LossOf(losses);
+  }
+  TrainingResult result = trainer.ResultOf(losses, start);
+  result.finished = true;
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 
@@ -62,6 +63,9 @@ class Trainer {
   // far above that of guessing.
   TrainingResult Train(const ReplayWindow& window, Rng rng, const std::stop_token& stop,
                        const std::function<void(const TrainingProgress&)>& progress);
+
+  // The losses of samples that are not trained on, each turned by one symmetry.
+  [[nodiscard]] TrainingResult Measure(std::span<const Sample> samples);
 
   // The state with the weights as `version`; waits for the device.
   [[nodiscard]] TrainerState state(std::uint32_t version) const;

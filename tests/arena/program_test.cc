@@ -18,7 +18,7 @@
 #include "common/base/digest.h"
 #include "common/model/planes.h"
 #include "common/model/weights_snapshot.h"
-#include "common/pommerman/board_text.h"
+#include "tests/pommerman/board_reader.h"
 
 namespace powderkeg {
 namespace {

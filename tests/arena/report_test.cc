@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "actors/arena/elo.h"
-#include "actors/arena/progress.h"
+#include "actors/arena/match_progress.h"
 
 namespace powderkeg {
 namespace {
@@ -220,10 +220,10 @@ TEST(GamesCsv, HasALineForEachGame) {
   EXPECT_THAT(GamesCsv(SomeContenders()), HasSubstr("\n\"idle\",3,0,0,-1,103,10,800,3,2,1,1\n"));
 }
 
-TEST(Progress, PrintsPlainLinesAtMostEveryTenSecondsAndTheLastOne) {
+TEST(MatchProgress, PrintsPlainLinesAtMostEveryTenSecondsAndTheLastOne) {
   std::ostringstream out;
-  const Progress::Clock::time_point start;
-  Progress progress(out, Progress::Style::kPlain, "idle", /*games=*/4);
+  const MatchProgress::Clock::time_point start;
+  MatchProgress progress(out, MatchProgress::Style::kPlain, "idle", /*games=*/4);
   progress.Start(start);
   progress.AddGame(GameWith(0, 1, 100), start + 1s);
   progress.AddGame(GameWith(1, 1, 100), start + 11s);
@@ -236,10 +236,10 @@ TEST(Progress, PrintsPlainLinesAtMostEveryTenSecondsAndTheLastOne) {
             "4/4  win 0.500 [0.150, 0.850]  tie 0.250  loss 0.250  0 s left\n");
 }
 
-TEST(Progress, WritesOverOneLineOnATerminal) {
+TEST(MatchProgress, WritesOverOneLineOnATerminal) {
   std::ostringstream out;
-  const Progress::Clock::time_point start;
-  Progress progress(out, Progress::Style::kTerminal, "idle", /*games=*/2);
+  const MatchProgress::Clock::time_point start;
+  MatchProgress progress(out, MatchProgress::Style::kTerminal, "idle", /*games=*/2);
   progress.Start(start);
   progress.AddGame(GameWith(0, 1, 100), start + 1s);
   progress.AddGame(GameWith(1, 1, 100), start + 2s);
@@ -249,10 +249,10 @@ TEST(Progress, WritesOverOneLineOnATerminal) {
   EXPECT_EQ(out.str().back(), '\n');
 }
 
-TEST(Progress, LeavesPausesOutOfTheTimeAndShowsTheTest) {
+TEST(MatchProgress, LeavesPausesOutOfTheTimeAndShowsTheTest) {
   std::ostringstream out;
-  const Progress::Clock::time_point start;
-  Progress progress(out, Progress::Style::kTerminal, "idle", /*games=*/4);
+  const MatchProgress::Clock::time_point start;
+  MatchProgress progress(out, MatchProgress::Style::kTerminal, "idle", /*games=*/4);
   progress.Start(start);
   progress.AddGame(GameWith(0, 1, 100), start + 10s);
   progress.Pause(start + 10s);

@@ -12,14 +12,21 @@ namespace powderkeg {
 namespace {
 
 TEST(Name, IsAFileOfTheFolderItIsIn) {
-  for (const std::string name :
-       {"a", "node-7.example.org", "My_run.2", "-", std::string(64, 'x')}) {
-    EXPECT_TRUE(IsName(name)) << name;
-  }
-  for (const std::string& text : {"", ".", "..", ".hidden", "a/b", "../../x", "two words", "a\n",
-                                  "caf\xc3\xa9", std::string(65, 'x'), std::string("a\0b", 3)}) {
-    EXPECT_FALSE(IsName(text)) << text;
-  }
+  const std::vector<std::string> names = {"a", "node-7.example.org", "My_run.2", "-",
+                                          std::string(64, 'x')};
+  for (const std::string& name : names) EXPECT_TRUE(IsName(name)) << name;
+  const std::vector<std::string> others = {"",
+                                           ".",
+                                           "..",
+                                           ".hidden",
+                                           "a/b",
+                                           "../../x",
+                                           "two words",
+                                           "a\n",
+                                           "caf\xc3\xa9",
+                                           std::string(65, 'x'),
+                                           std::string("a\0b", 3)};
+  for (const std::string& text : others) EXPECT_FALSE(IsName(text)) << text;
 }
 
 TEST(Name, IsRefusedWithItsValueAndWhatWasExpected) {

@@ -97,6 +97,26 @@ TEST_F(AgentServiceTest, ChangedSettingsStartAnew) {
   EXPECT_EQ(diary_.games.size(), 2U);
 }
 
+// An older version of the environment: what it leaves out is said once, and its steps are counted.
+TEST_F(AgentServiceTest, CountsTheStepsOfARunnerThatDoesNot) {
+  const auto service = Serve(0);
+  auto object = ObservationObject({}, Observe({}, GenerateStart({}, {}, Rng(3)), 0));
+  for (const char* key : {"flame_life", "bomb_moving_direction", "game_env", "step_count"}) {
+    object.erase(key);
+  }
+  (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
+  testing::internal::CaptureStderr();
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(service->Act(ActionBody(object)).status, 200);
+  (void)service->EndEpisode(kReward);
+  EXPECT_EQ(service->Act(ActionBody(object)).status, 200);
+  EXPECT_THAT(diary_.steps, ElementsAre(0, 1, 2, 0));
+  EXPECT_EQ(diary_.games.size(), 2U);
+  const std::string log = testing::internal::GetCapturedStderr();
+  const std::string said = "keys=\"game_env, bomb_moving_direction, flame_life, step_count\"";
+  EXPECT_THAT(log, HasSubstr(said));
+  EXPECT_EQ(log.find(said), log.rfind(said)) << log;
+}
+
 TEST_F(AgentServiceTest, RefusesWhatIsOutOfOrder) {
   const auto service = Serve(0);
   const ServiceReply early = service->Act(Body(0, 0));
@@ -325,6 +345,14 @@ Observation ImpossibleObservation(Rng& rng) {
   return observation;
 }
 
+// Fog of no shape that the environment has.
+void Befog(Rng& rng, Observation& observation) {
+  for (int i = 0; i < 40; ++i) {
+    const auto cell = static_cast<Cell>(rng.Below(kCellCount));
+    if (observation.board[cell] < CellValue::kAgent0) observation.board[cell] = CellValue::kFog;
+  }
+}
+
 TEST(AgentServiceOnImpossibleBoards, ASearchAnswersOrTheBoardIsRefused) {
   Rng rng(5);
   for (const char* environment : {"PommeFFACompetition-v0", "PommeFFA-v1", "PommeTeam-v0"}) {
@@ -337,7 +365,8 @@ TEST(AgentServiceOnImpossibleBoards, ASearchAnswersOrTheBoardIsRefused) {
     for (int board = 0; board < 300; ++board) {
       Observation observation = ImpossibleObservation(rng);
       // Two boards of three pretend to be the next step of the last one.
-      if (board % 3 != 0) observation.step = static_cast<std::uint16_t>((step + 1) % 800);
+      if (board % 3 != 0) observation.step = static_cast<std::uint16_t>((step + 1) % 900);
+      if (board % 50 >= 40) Befog(rng, observation);
       step = observation.step;
       const ServiceReply reply = service.Act(ActionBody(settings, observation));
       ASSERT_TRUE(reply.status == 200 || reply.status == 400) << reply.body;

@@ -46,7 +46,7 @@ struct RunLog {
 RunLog RunLoop(const LearnerLoopSettings& settings, const std::vector<GameRecord>& games) {
   RunLog run;
   LearnerLoop loop(settings, run.Hooks());
-  for (GameRecord game : games) loop.Add(std::move(game));
+  for (const GameRecord& game : games) loop.Add(LessonsOf(game));
   loop.Run({});
   return run;
 }
@@ -119,7 +119,7 @@ TEST(LearnerLoop, AnIterationStoppedInTrainingIsRepeated) {
   RunLog stopped;
   {
     LearnerLoop loop(endless, stopped.Hooks());
-    for (GameRecord game : games) loop.Add(std::move(game));
+    for (const GameRecord& game : games) loop.Add(LessonsOf(game));
     Worker trainer("trainer", [&](const std::stop_token& stop) { loop.Run(stop); });
     while (loop.progress().training.samples_done == 0) std::this_thread::yield();
     trainer.RequestStop();
@@ -133,12 +133,12 @@ TEST(LearnerLoop, AnIterationStoppedInTrainingIsRepeated) {
 TEST(LearnerLoop, WaitsForAStragglerAndStopsWhenAsked) {
   const TemporaryFolder folder;
   LearnerLoop loop(SettingsFor(folder.path(), 2), {});
-  for (GameRecord& game : PlayGames(1, kGames)) loop.Add(std::move(game));
+  for (const GameRecord& game : PlayGames(1, kGames)) loop.Add(LessonsOf(game));
   EXPECT_EQ(loop.progress().games.straggler, 0u);
   EXPECT_EQ(loop.progress().games.decisions_in_prefix, 0u);
   EXPECT_EQ(loop.GamesWanted(), 0u);
   Worker trainer("trainer", [&](const std::stop_token& stop) { loop.Run(stop); });
-  loop.Add(PlayGame(0));
+  loop.Add(LessonsOf(PlayGame(0)));
   while (loop.progress().iteration < 2) std::this_thread::yield();
   trainer.Join();
   EXPECT_EQ(loop.GamesWanted(), 0u) << "no iteration is left";
@@ -152,17 +152,49 @@ TEST(LearnerLoop, WaitsForAStragglerAndStopsWhenAsked) {
   EXPECT_EQ(idle.progress().iteration, 0);
 }
 
+// The run keeps them from its first moment: a restart before the first iteration has them too.
 TEST(LearnerLoop, GivenWeightsArePublishedFirst) {
   const TemporaryFolder folder;
+  WeightsSnapshot weights = InitialWeights(SmallNetwork(), Rng(5));
+  weights.version = 40;
+  const std::string file = (folder.path() / "given.weights").string();
+  SaveSnapshot(weights, file);
   LearnerLoopSettings settings = SettingsFor(folder.path(), 1);
-  auto weights = std::make_shared<WeightsSnapshot>(InitialWeights(SmallNetwork(), Rng(5)));
-  weights->version = 40;
-  settings.initial_weights = weights;
+  settings.first = LoadFirstState(file);
+  { const LearnerLoop killed(settings, {}); }
+  settings.first.reset();
   const RunLog run = RunLoop(settings, PlayGames(0, kGames));
   ASSERT_EQ(run.published.size(), 2u);
   EXPECT_EQ(run.published[0]->version, 1u);
-  EXPECT_EQ(run.published[0]->arrays, weights->arrays);
+  EXPECT_EQ(run.published[0]->arrays, weights.arrays);
   EXPECT_EQ(run.published[1]->version, 2u);
+}
+
+TEST(LearnerLoop, GivenCheckpointsBringTheirOptimizer) {
+  const TemporaryFolder folder;
+  RunLoop(SettingsFor(folder.path(), 1), PlayGames(0, kGames));
+  const TrainerState first =
+      LoadFirstState((folder.path() / "checkpoints/iteration-00000001.checkpoint").string());
+  EXPECT_EQ(first.weights.version, 1u);
+  EXPECT_GT(first.optimizer_steps, 0u);
+  EXPECT_FALSE(first.optimizer.empty());
+}
+
+TEST(LearnerLoop, GivenWeightsOfAnotherNetworkAreAnError) {
+  const TemporaryFolder folder;
+  LearnerLoopSettings settings = SettingsFor(folder.path(), 1);
+  settings.first = LoadFirstState("untrained:paper");
+  EXPECT_THROW(LearnerLoop(settings, {}), Error);
+}
+
+TEST(LearnerLoop, HeldOutGamesAreMeasuredAndNotTrainedOn) {
+  const TemporaryFolder folder;
+  LearnerLoopSettings settings = SettingsFor(folder.path(), 1);
+  settings.training.held_out_share = 0.5;
+  const RunLog run = RunLoop(settings, PlayGames(0, kGames));
+  ASSERT_EQ(run.reports.size(), 1u);
+  EXPECT_GT(run.reports[0].held_out_loss, 0);
+  EXPECT_NE(run.reports[0].held_out_loss, run.reports[0].total_loss);
 }
 
 TEST(LearnerLoop, AGameThatTheCheckpointCountsMustBeInTheStore) {
@@ -189,7 +221,7 @@ TEST(LearnerLoop, RestartsFromTheStore) {
   store.Append(games);
   RunLog run;
   LearnerLoop loop(SettingsFor(folder.path(), 2), run.Hooks());
-  store.Load([&](GameRecord&& game) { loop.Add(std::move(game)); });
+  store.Load([&](const GameRecord& game) { loop.Add(LessonsOf(game)); });
   loop.Run({});
   ASSERT_EQ(run.reports.size(), 1u);
   EXPECT_EQ(run.reports[0].iteration, 2);

@@ -1,7 +1,9 @@
 #include "learner/replay/store.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -39,7 +41,7 @@ TEST(ReplayStore, GivesBackWhatWasAppended) {
   const TemporaryFolder folder;
   std::vector<GameRecord> games = RandomRecords(0, 100);
   games[7].actions.clear();
-  games[7].decisions.clear();
+  games[7].tracks = {};
   {
     ReplayStore store(folder.path() / "replay");
     store.Append(std::span(games).first(40));
@@ -49,6 +51,19 @@ TEST(ReplayStore, GivesBackWhatWasAppended) {
     EXPECT_EQ(LoadAll(store), games);
   }
   EXPECT_EQ(LoadAll(ReplayStore(folder.path() / "replay")), games);
+}
+
+TEST(ReplayStore, MergesWhileAnotherProgramHoldsASegmentsLock) {
+  const TemporaryFolder folder;
+  const std::vector<GameRecord> games = RandomRecords(0, 2);
+  ReplayStore store(folder.path());
+  for (const GameRecord& game : games) store.Append(std::span(&game, 1));
+  const int file = open(FilesIn(folder.path()).front().c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_EQ(flock(file, LOCK_EX | LOCK_NB), 0);
+  store.Merge();
+  close(file);
+  EXPECT_EQ(store.segment_count(), 1u);
+  EXPECT_EQ(LoadAll(store), games);
 }
 
 TEST(ReplayStore, NumbersGoOnAfterARestart) {
@@ -232,7 +247,7 @@ TEST(ReplayStore, AKillAtAnyMomentLosesNothingAcknowledged) {
     for (const GameRecord& game : LoadAll(ReplayStore(folder.path()))) {
       ASSERT_TRUE(tickets.insert(game.ticket).second);
       ASSERT_EQ(game, RandomRecord(game.ticket, static_cast<int>(game.actions.size()),
-                                   static_cast<int>(game.decisions.size())));
+                                   static_cast<int>(DecisionCount(game))));
     }
     ASSERT_GE(tickets.size(), games + appends * kGamesPerSegment);
     // One append may have become durable without being acknowledged.

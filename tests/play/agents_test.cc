@@ -2,9 +2,9 @@
 
 #include "actors/play/plain_agents.h"
 #include "actors/play/search_agent.h"
-#include "common/pommerman/board_text.h"
 #include "common/pommerman/step.h"
 #include "tests/play/support.h"
+#include "tests/pommerman/board_reader.h"
 
 namespace powderkeg {
 namespace {
@@ -77,7 +77,6 @@ TEST(SearchAgent, TellsItsDecisionAndStatistics) {
   const std::optional<Decision> decision = agent.decision();
   ASSERT_TRUE(decision);
   EXPECT_EQ(decision->step, 7);
-  EXPECT_EQ(decision->agent, 0);
   EXPECT_EQ(decision->visits[0] + decision->visits[2], 32);
   EXPECT_TRUE(agent.action() == Action::kStop || agent.action() == Action::kDown);
   EXPECT_EQ(agent.move_statistics().simulations, 32u);
@@ -128,7 +127,7 @@ TEST(SearchAgent, PlaysEqualGamesEquallyHoweverOftenItPlayedBefore) {
   plan.setup = SetupOfSeats(
       {kSimpleUnbiasedSeat, kSearching, kSimpleUnbiasedSeat, kSimpleUnbiasedSeat}, /*seed=*/4);
   SearchAgent agent(settings);
-  plan.players[1] = {&agent, {std::make_shared<UniformEvaluator>(), 0}};
+  plan.agents[1] = {&agent, {std::make_shared<UniformEvaluator>(), 0}};
   const GameRecord first = PlayGame(plan);
   EXPECT_EQ(PlayGame(plan), first);
 }

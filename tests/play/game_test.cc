@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "actors/play/plain_agents.h"
 #include "common/pommerman/step.h"
 #include "tests/play/support.h"
@@ -81,12 +83,13 @@ TEST_P(GameOfEveryMode, PassesVerify) {
     AskingAgent first(/*questions=*/2);
     AskingAgent second(/*questions=*/3);
     const Model model{std::make_shared<UniformEvaluator>(), /*weights_version=*/7};
-    plan.players[1] = {&first, model};
-    plan.players[3] = {&second, model};
+    plan.agents[1] = {&first, model};
+    plan.agents[3] = {&second, model};
     const GameRecord record = PlayGame(plan);
     EXPECT_EQ(Verify(record), std::nullopt) << GetParam() << " seed " << seed;
     EXPECT_TRUE(record.outcome.done);
-    EXPECT_EQ(record.weights_version, 7u);
+    EXPECT_EQ(record.tracks[1].weights_version, 7u);
+    EXPECT_EQ(record.tracks[2].weights_version, 0u);
     EXPECT_EQ(record.evaluator, "uniform");
   }
 }
@@ -105,24 +108,24 @@ TEST(Game, CollapsesAfterEverybodyDecided) {
         PlanOfSeats({kSearching, kSimpleUnbiasedSeat, kSimpleUnbiasedSeat, kSimpleUnbiasedSeat},
                     seed, settings);
     AskingAgent agent(/*questions=*/1);
-    plan.players[0] = {&agent, {std::make_shared<UniformEvaluator>(), 0}};
+    plan.agents[0] = {&agent, {std::make_shared<UniformEvaluator>(), 0}};
     const GameRecord record = PlayGame(plan);
     EXPECT_EQ(Verify(record), std::nullopt) << "seed " << seed;
-    EXPECT_LE(record.decisions.size(), 20u);
+    EXPECT_LE(record.tracks[0].decisions.size(), 20u);
   }
 }
 
-TEST(Game, EndsWithTheLastSearchersDeathWhereThePlanSaysSo) {
+TEST(Game, EndsWhenNoMeasuredSeatCanWinWhereTheSetupSaysSo) {
   int early = 0;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     GamePlan plan = PlanOfSeats(
         {kSearching, kSimpleUnbiasedSeat, kSimpleUnbiasedSeat, kSimpleUnbiasedSeat}, seed);
-    plan.end = GamePlan::End::kLastSearchDeath;
+    plan.setup.to_the_end = false;
     AskingAgent agent(/*questions=*/0);  // plays at random: blows itself up
-    plan.players[0] = {&agent, {std::make_shared<UniformEvaluator>(), 0}};
+    plan.agents[0] = {&agent, {std::make_shared<UniformEvaluator>(), 0}};
     const GameRecord record = PlayGame(plan);
     EXPECT_EQ(Verify(record), std::nullopt);
-    EXPECT_EQ(record.decisions.size(), record.actions.size());
+    EXPECT_EQ(record.tracks[0].decisions.size(), record.actions.size());
     if (record.outcome.done) continue;
     ++early;
     EXPECT_EQ(OutcomeFor(record, 0), -1);
@@ -130,9 +133,9 @@ TEST(Game, EndsWithTheLastSearchersDeathWhereThePlanSaysSo) {
   EXPECT_GT(early, 5);
 }
 
-TEST(Game, OfRuleBasedSeatsIsPlayedOutWhateverThePlanSays) {
+TEST(Game, OfSeatsThatNobodyMeasuresIsPlayedOut) {
   GamePlan plan = PlanOfSeats(FourOf(kSimpleUnbiasedSeat), /*seed=*/3);
-  plan.end = GamePlan::End::kLastSearchDeath;
+  plan.setup.to_the_end = false;
   EXPECT_TRUE(PlayGame(plan).outcome.done);
 }
 
@@ -140,18 +143,25 @@ TEST(Game, AsksEachSeatsOwnEvaluator) {
   GamePlan plan = PlanOfSeats({kSearching, kSearching, {}, {}}, /*seed=*/1);
   AskingAgent first(/*questions=*/1);
   AskingAgent second(/*questions=*/2);
-  plan.players[0] = {&first, {std::make_shared<ConstantEvaluator>(0.25F), 3}};
-  plan.players[1] = {&second, {std::make_shared<ConstantEvaluator>(-0.5F), 4}};
-  for (const Decision& decision : PlayGame(plan).decisions) {
-    EXPECT_EQ(decision.value, decision.agent == 0 ? 0.25F : -0.5F);
-    EXPECT_EQ(decision.weights_version, decision.agent == 0 ? 3u : 4u);
+  plan.agents[0] = {&first, {std::make_shared<ConstantEvaluator>(0.25F), 3}};
+  plan.agents[1] = {&second, {std::make_shared<ConstantEvaluator>(-0.5F), 4}};
+  const GameRecord record = PlayGame(plan);
+  for (const auto& [seat, value, version] : {std::tuple(0, 0.25F, 3u), {1, -0.5F, 4u}}) {
+    EXPECT_EQ(record.tracks[seat].weights_version, version);
+    EXPECT_FALSE(record.tracks[seat].decisions.empty());
+    for (const Decision& decision : record.tracks[seat].decisions) {
+      EXPECT_EQ(decision.value, value);
+      EXPECT_EQ(decision.weights_version, version);
+    }
   }
 }
 
-TEST(Game, SetModelAnswersFromThenOn) {
-  GamePlan plan = PlanOfSeats({kSearching, {}, {}, {}}, /*seed=*/1);
+TEST(Game, SetModelAnswersThoseWhoTakeNewWeightsFromThenOn) {
+  GamePlan plan = PlanOfSeats({kSearching, kSearching, {}, {}}, /*seed=*/1);
   AskingAgent agent(/*questions=*/1);
-  plan.players[0] = {&agent, {std::make_shared<ConstantEvaluator>(0.25F), 3}};
+  AskingAgent other(/*questions=*/1);
+  plan.agents[0] = {&agent, {std::make_shared<ConstantEvaluator>(0.25F), 3}, true};
+  plan.agents[1] = {&other, {std::make_shared<ConstantEvaluator>(0.5F), 2}};
   Game game;
   EvaluationBatches batches;
   game.Start(plan);
@@ -162,12 +172,14 @@ TEST(Game, SetModelAnswersFromThenOn) {
     if (round == 1) game.SetModel({std::make_shared<ConstantEvaluator>(0.75F), 4});
   }
   const GameRecord& record = game.record();
-  ASSERT_GT(record.decisions.size(), 3u);
-  EXPECT_EQ(record.weights_version, 3u);
-  EXPECT_EQ(record.decisions[0].weights_version, 3u);
-  EXPECT_EQ(record.decisions[0].value, 0.25F);
-  EXPECT_EQ(record.decisions[2].weights_version, 4u);
-  EXPECT_EQ(record.decisions[2].value, 0.75F);
+  const std::vector<Decision>& decisions = record.tracks[0].decisions;
+  ASSERT_GT(decisions.size(), 3u);
+  EXPECT_EQ(record.tracks[0].weights_version, 3u);
+  EXPECT_EQ(decisions[0].weights_version, 3u);
+  EXPECT_EQ(decisions[0].value, 0.25F);
+  EXPECT_EQ(decisions[2].weights_version, 4u);
+  EXPECT_EQ(decisions[2].value, 0.75F);
+  for (const Decision& decision : record.tracks[1].decisions) EXPECT_EQ(decision.value, 0.5F);
 }
 
 TEST(Game, CountsWhatHappenedAtASeat) {

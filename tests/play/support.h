@@ -89,7 +89,8 @@ inline GameSetup SetupOfSeats(std::array<Seat, kAgentCount> seats, std::uint64_t
   return {settings, {BoardGenerator::kOfficial, StartCorners::kPermuted}, seats, seed};
 }
 
-inline constexpr Seat kSearching = {.searches = true};
+inline constexpr Seat kSearching = {
+    .searches = true, .teaches = Teaches::kSearch, .measured = true};
 inline constexpr Seat kSimpleUnbiasedSeat = {.searches = false,
                                              .policy = PolicyKind::kSimpleUnbiased};
 
@@ -141,7 +142,7 @@ class SearchHost final : public ListHost {
     seats[seat] = kSearching;
     GamePlan plan;
     plan.setup = SetupOfSeats(seats, /*seed=*/1000 + ticket);
-    plan.players[seat] = {AgentOf(slot), {evaluator_, /*weights_version=*/0}};
+    plan.agents[seat] = {AgentOf(slot), {evaluator_, /*weights_version=*/0}};
     return plan;
   }
 

@@ -5,10 +5,10 @@
 #include <cstdio>
 
 #include "common/pommerman/generate.h"
-#include "common/record/recorded_format.h"
 #include "common/record/rule_based_seat.h"
 #include "tests/pommerman/position.h"
 #include "tests/pommerman/random_game.h"
+#include "tools/official/recorded_format.h"
 
 namespace powderkeg {
 namespace {

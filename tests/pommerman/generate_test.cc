@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/pommerman/board_text.h"
-#include "common/record/json_lines.h"
+#include "tools/official/json_lines.h"
 
 namespace powderkeg {
 namespace {

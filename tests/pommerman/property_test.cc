@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "common/pommerman/board_text.h"
 #include "common/pommerman/generate.h"
 #include "common/pommerman/observation.h"
 #include "common/pommerman/step.h"
+#include "tests/pommerman/board_reader.h"
 #include "tests/pommerman/random_game.h"
 
 namespace powderkeg {

@@ -14,7 +14,7 @@
 #include <string>
 #include <thread>
 
-#include "common/pommerman/board_text.h"
+#include "tests/pommerman/board_reader.h"
 #include "tests/search/known_answers.h"
 #include "tests/search/search_support.h"
 

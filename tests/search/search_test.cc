@@ -8,7 +8,7 @@
 #include <numeric>
 #include <vector>
 
-#include "common/pommerman/board_text.h"
+#include "tests/pommerman/board_reader.h"
 #include "tests/search/known_answers.h"
 #include "tests/search/search_support.h"
 

@@ -5,13 +5,31 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <fstream>
 #include <iterator>
+#include <thread>
 
 #include "actors/selfplay/ticket_book.h"
 #include "common/base/check.h"
 #include "tests/selfplay/session_support.h"
+
+namespace {
+
+std::atomic<int> syncs = 0;
+thread_local int syncs_here = 0;
+std::atomic<bool> sync_fails = false;
+
+}  // namespace
+
+// Stands for the system's in this program.
+extern "C" int fdatasync(int file) {
+  ++syncs;
+  ++syncs_here;
+  return sync_fails ? -1 : fsync(file);
+}
 
 namespace powderkeg {
 namespace {
@@ -129,6 +147,70 @@ TEST_F(OutboxTest, DropsADamagedEnd) {
   bytes[bytes.size() - 5] ^= 1;
   SetBytes(bytes);
   EXPECT_EQ(Outbox(spool_.path(), kLimit).Tickets(), (std::vector<std::uint64_t>{1}));
+}
+
+// Wherever it is: in a length, a checksum, a ticket or a record.
+TEST_F(OutboxTest, AFlippedBitDropsItsGameAlone) {
+  {
+    Outbox outbox(spool_.path(), kLimit);
+    for (std::uint64_t ticket = 1; ticket <= 3; ++ticket) outbox.Add(FakeGame(ticket, 20));
+  }
+  const std::string whole = Bytes();
+  const std::size_t entry = (whole.size() - 8) / 3;
+  for (std::size_t at = 8 + entry; at < 8 + 2 * entry; ++at) {
+    std::string bytes = whole;
+    bytes[at] ^= static_cast<char>(1 << at % 8);
+    SetBytes(bytes);
+    Outbox outbox(spool_.path(), kLimit);
+    ASSERT_EQ(outbox.Tickets(), (std::vector<std::uint64_t>{1, 3})) << at;
+    outbox.Add(FakeGame(4, 20));
+    ASSERT_EQ(Bytes().size(), whole.size()) << "the damage is still there";
+  }
+}
+
+// No game loop waits for a disk.
+TEST_F(OutboxTest, AnotherThreadSyncsWhatIsAdded) {
+  Outbox outbox(spool_.path(), kLimit);
+  const int before = syncs;
+  const int here_before = syncs_here;
+  for (std::uint64_t ticket = 0; ticket < 5; ++ticket) outbox.Add(FakeGame(ticket));
+  EXPECT_EQ(syncs_here, here_before);
+  EXPECT_TRUE(Eventually([&] { return syncs > before; }));
+}
+
+TEST_F(OutboxTest, ADiskThatFailsIsAnError) {
+  Outbox outbox(spool_.path(), kLimit);
+  outbox.Add(FakeGame(0));
+  sync_fails = true;
+  EXPECT_TRUE(Eventually([&] {
+    try {
+      outbox.Add(FakeGame(outbox.size()));
+      return false;
+    } catch (const Error&) {
+      return true;
+    }
+  }));
+  sync_fails = false;
+}
+
+// Half of the games come while the file is rewritten.
+TEST_F(OutboxTest, WhatIsAddedDuringARewriteIsKept) {
+  constexpr std::uint64_t kGames = 400;
+  {
+    Outbox outbox(spool_.path(), kLimit);
+    std::atomic<std::uint64_t> added = 0;
+    const std::jthread adder([&] {
+      for (; added < kGames; ++added) outbox.Add(FakeGame(added, 20'000));
+    });
+    for (std::uint64_t ticket = 0; ticket < kGames; ticket += 2) {
+      ASSERT_TRUE(Eventually([&] { return added > ticket; }));
+      outbox.Remove(ticket);
+    }
+  }
+  const std::vector<std::uint64_t> kept = Outbox(spool_.path(), kLimit).Tickets();
+  for (std::uint64_t ticket = 1; ticket < kGames; ticket += 2) {
+    EXPECT_TRUE(std::ranges::binary_search(kept, ticket)) << ticket;
+  }
 }
 
 TEST_F(OutboxTest, RefusesAnotherFileAndASecondOwner) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,10 +18,10 @@
 #include "common/config/config.h"
 #include "common/model/network_description.h"
 #include "common/wire/codec.h"
-#include "common/wire/in_process_transport.h"
 #include "common/wire/zmq_transport.h"
 #include "learner/intake/session_server.h"
 #include "tests/selfplay/session_support.h"
+#include "tests/wire/in_process_transport.h"
 #include "tests/wire/played_tickets.h"
 
 namespace powderkeg {
@@ -272,7 +273,7 @@ TEST(SessionTest, ActorsPauseWhileNoGamesAreWanted) {
   std::atomic<bool> wanted = false;
   InProcessNetwork network;
   SessionServerSettings settings = QuickSettings();
-  settings.games_wanted = [&wanted] { return wanted ? SessionServerSettings::kAllGames : 0; };
+  settings.games_wanted = [&wanted] { return wanted ? kAllGames : 0; };
   TestLearner learner(network.Listen(), settings);
   TestActor actor([&] { return network.Connect(); });
   ASSERT_TRUE(Eventually([&] { return actor.client->welcome() != nullptr; }));
@@ -495,7 +496,7 @@ TEST(SessionTest, AnotherProtocolIsRefusedWithBothVersions) {
   const auto answer = client->Receive(milliseconds(5000), Waker());
   ASSERT_TRUE(answer);
   const auto refused = std::get<Refused>(std::get<WireMessage>(Decode(*answer)));
-  EXPECT_EQ(refused, (Refused{.reason = "its protocol version is 99; expected 1"}));
+  EXPECT_EQ(refused, (Refused{.reason = "its protocol version is 99; expected 2"}));
 }
 
 TEST(SessionTest, AFailedStoreFailsTheServer) {
@@ -612,41 +613,149 @@ TEST(SessionTest, AnActorWithGamesOfEarlierSettingsIsNotRefused) {
   EXPECT_FALSE(actor.client->ended());
 }
 
-// What lies in the queue of a peer that does not read is bounded by the weights, twice.
-TEST(SessionTest, WeightsAreNotSentAgainAndAgain) {
+// A peer that is no actor: says and reads what the test wants.
+class Stranger {
+ public:
+  explicit Stranger(InProcessNetwork& network) : channel_(network.Connect()) {}
+
+  void Say(const WireMessage& message) { ASSERT_TRUE(channel_->Send(Encode(message))); }
+  // The next message of this kind; others are passed over. nullopt: it does not come.
+  template <typename Message>
+  std::optional<Message> Hear() {
+    std::optional<Message> heard;
+    (void)Eventually([&] {
+      const auto bytes = channel_->Receive(milliseconds(50), waker_);
+      if (!bytes) return false;
+      auto message = std::get<WireMessage>(Decode(*bytes));
+      if (auto* found = std::get_if<Message>(&message)) heard = *found;
+      return heard.has_value();
+    });
+    return heard;
+  }
+
+ private:
+  std::unique_ptr<ClientChannel> channel_;
+  const Waker waker_;
+};
+
+// So at most one chunk lies in the queue of a peer that does not read.
+TEST(SessionTest, TheNextChunkIsForWhoHasReadTheLast) {
   InProcessNetwork network;
   TestLearner learner(network.Listen());
-  const Snapshot weights = SomeWeights(1);
-  const std::size_t size = Serialize(*weights).size();
-  learner.server->Publish(weights);
-  const auto greedy = network.Connect();
-  const Waker waker;
-  const auto receive = [&] {
-    std::optional<std::string> bytes;
-    (void)Eventually(
-        [&] { return (bytes = greedy->Receive(milliseconds(50), waker)).has_value(); });
-    return bytes;
+  learner.server->Publish(SomeWeights(1));
+  Stranger greedy(network);
+  greedy.Say(Hello{.name = "greedy"});
+  ASSERT_TRUE(greedy.Hear<WeightsOffer>());
+  greedy.Say(WeightsRequest{.version = 1});
+  const auto chunk = greedy.Hear<WeightsChunk>();
+  ASSERT_TRUE(chunk);
+  greedy.Say(WeightsRequest{.version = 1, .receipt = chunk->receipt});
+  ASSERT_TRUE(greedy.Hear<WeightsChunk>());
+  greedy.Say(WeightsRequest{.version = 1, .receipt = chunk->receipt});
+  const auto refused = greedy.Hear<Refused>();
+  ASSERT_TRUE(refused);
+  EXPECT_TRUE(refused->retry);
+  EXPECT_TRUE(Eventually([&] { return learner.server->statistics().actors.empty(); }));
+}
+
+// Five versions on disk, of which the learner has published the last.
+class PastWeightsTest : public testing::Test {
+ protected:
+  SessionServerSettings Settings() {
+    SessionServerSettings settings = QuickSettings();
+    settings.weights_kept = 1;
+    settings.load_weights = [this](std::uint32_t version) {
+      ++loads_;
+      return version <= 5 && version != 4 ? Serialize(*SomeWeights(version))
+                                          : std::vector<std::uint8_t>{};
+    };
+    return settings;
+  }
+  // Asks until there is an answer.
+  static WantedWeights Get(TestActor& actor, std::uint32_t version) {
+    WantedWeights wanted;
+    (void)Eventually([&] {
+      wanted = actor.client->Want(version);
+      return wanted.snapshot || !wanted.fault.empty();
+    });
+    return wanted;
+  }
+
+  InProcessNetwork network_;
+  std::atomic<int> loads_ = 0;
+};
+
+TEST_F(PastWeightsTest, ComeBesideTheNewest) {
+  TestLearner learner(network_.Listen(), Settings());
+  learner.server->Publish(SomeWeights(5));
+  TestActor actor([&] { return network_.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return actor.client->weights() != nullptr; }));
+  for (const std::uint32_t version : {2, 1, 3, 5}) {
+    const WantedWeights wanted = Get(actor, version);
+    ASSERT_TRUE(wanted.snapshot) << wanted.fault;
+    EXPECT_EQ(*wanted.snapshot, *SomeWeights(version));
+  }
+  EXPECT_EQ(loads_, 3);
+  EXPECT_EQ(actor.client->weights()->version, 5u);
+  EXPECT_TRUE(actor.client->Want(1).snapshot) << "it was here already";
+}
+
+TEST_F(PastWeightsTest, WhatIsGoneIsSaidOnce) {
+  TestLearner learner(network_.Listen(), Settings());
+  TestActor actor([&] { return network_.Connect(); });
+  EXPECT_THAT(Get(actor, 4).fault, HasSubstr("does not have them any more"));
+  EXPECT_THAT(Get(actor, 99).fault, HasSubstr("does not have them any more"));
+  std::this_thread::sleep_for(milliseconds(100));
+  EXPECT_THAT(actor.client->Want(4).fault, HasSubstr("does not have them any more"));
+  EXPECT_EQ(loads_, 2) << "asked again";
+  EXPECT_TRUE(Get(actor, 1).snapshot);
+}
+
+TEST_F(PastWeightsTest, NewestOnesComeInBetween) {
+  TestLearner learner(network_.Listen(), Settings());
+  learner.server->Publish(SomeWeights(5));
+  TestActor actor([&] { return network_.Connect(); });
+  for (std::uint32_t version = 1; version <= 3; ++version) (void)actor.client->Want(version);
+  learner.server->Publish(SomeWeights(6));
+  for (std::uint32_t version = 1; version <= 3; ++version) {
+    EXPECT_TRUE(Get(actor, version).snapshot) << version;
+  }
+  EXPECT_TRUE(Eventually([&] {
+    const Snapshot newest = actor.client->weights();
+    return newest && newest->version == 6;
+  }));
+  EXPECT_TRUE(Get(actor, 5).snapshot) << "the learner keeps what it has just replaced";
+}
+
+// They used to be downloaded five times a second, for ever.
+TEST(SessionTest, WeightsThatAreNoUseAreFetchedOnce) {
+  InProcessNetwork network;
+  SessionServerSettings settings = QuickSettings();
+  std::atomic<int> loads = 0;
+  settings.load_weights = [&loads](std::uint32_t) {
+    ++loads;
+    return std::vector<std::uint8_t>{1, 2, 3};
   };
-  ASSERT_TRUE(greedy->Send(Encode(Hello{.name = "greedy"})));
-  for (bool offered = false; !offered;) {
-    const auto bytes = receive();
-    ASSERT_TRUE(bytes) << "never offered";
-    offered = std::holds_alternative<WeightsOffer>(std::get<WireMessage>(Decode(*bytes)));
-  }
-  const int requests = static_cast<int>(10 + 10 * size / kMaxChunkBytes);
-  for (int i = 0; i < requests; ++i) {
-    ASSERT_TRUE(greedy->Send(Encode(WeightsRequest{.version = 1, .offset_bytes = 0})));
-  }
-  std::size_t received = 0;
-  bool refused = false;
-  while (!refused) {
-    const auto bytes = receive();
-    ASSERT_TRUE(bytes) << "never refused";
-    const auto message = std::get<WireMessage>(Decode(*bytes));
-    if (const auto* chunk = std::get_if<WeightsChunk>(&message)) received += chunk->data.size();
-    refused = std::holds_alternative<Refused>(message);
-  }
-  EXPECT_LE(received, 2 * size + 2 * kMaxChunkBytes);
+  TestLearner learner(network.Listen(), settings);
+  auto broken = std::make_shared<WeightsSnapshot>(*SomeWeights(1));
+  broken->arrays.front().values.front() = std::numeric_limits<float>::quiet_NaN();
+  learner.server->Publish(broken);
+  std::atomic<int> requests = 0;
+  network.FilterToServer([&](const std::string& bytes) {
+    const auto message = std::get<WireMessage>(Decode(bytes));
+    requests += std::holds_alternative<WeightsRequest>(message) ? 1 : 0;
+    return true;
+  });
+  TestActor actor([&] { return network.Connect(); });
+  ASSERT_TRUE(Eventually([&] { return requests > 0; }));
+  ASSERT_TRUE(Eventually([&] { return !actor.client->Want(2).fault.empty(); }));
+  const int asked = requests;
+  std::this_thread::sleep_for(milliseconds(200));
+  EXPECT_EQ(requests, asked);
+  EXPECT_EQ(loads, 1);
+  EXPECT_EQ(actor.client->weights(), nullptr);
+  learner.server->Publish(SomeWeights(3));
+  EXPECT_TRUE(Eventually([&] { return actor.client->weights() != nullptr; }));
 }
 
 TEST(SessionTest, GamesOfAnActorThatHangsAreGrantedToAnother) {
@@ -654,7 +763,7 @@ TEST(SessionTest, GamesOfAnActorThatHangsAreGrantedToAnother) {
   InProcessNetwork network;
   SessionServerSettings settings = QuickSettings();
   settings.overdue_after = milliseconds(30);
-  settings.games_wanted = [&wanted] { return wanted ? SessionServerSettings::kAllGames : 0; };
+  settings.games_wanted = [&wanted] { return wanted ? kAllGames : 0; };
   TestLearner learner(network.Listen(), settings);
   TestActor hanging([&] { return network.Connect(); }, "hanging");
   ASSERT_TRUE(Eventually([&] { return hanging.tickets.waiting() > 0; }));

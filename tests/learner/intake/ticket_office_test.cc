@@ -98,10 +98,30 @@ TEST(TicketOfficeTest, AReturningActorKeepsItsTickets) {
   TicketOffice office(known);
   office.Claim(1, Tickets{1, 4, 7});
   EXPECT_EQ(office.held(1), 2u);  // 1 is durable
-  EXPECT_EQ(office.issued(), 8u);
   office.Claim(2, Tickets{4});
   EXPECT_EQ(office.held(2), 0u);
-  EXPECT_EQ(office.Grant(2, 4, 4), (Tickets{2, 3, 5, 6}));
+  EXPECT_EQ(office.StandingOf(4), Standing::kAwaited);
+  EXPECT_EQ(office.Grant(2, 6, 6), (Tickets{2, 3, 5, 6, 8, 9}));
+}
+
+// Else one Hello would switch flow control off: open tickets are granted whatever is wanted.
+TEST(TicketOfficeTest, AClaimOpensNothing) {
+  TicketOffice office(Tickets{0, 1});
+  office.Claim(1, Tickets{TicketOffice::kMaxLead - 1});
+  EXPECT_EQ(office.held(1), 1u);
+  EXPECT_TRUE(office.Grant(2, 100, 0).empty());
+  EXPECT_EQ(office.issued(), 2u);
+  office.Release(1);
+  EXPECT_TRUE(office.Grant(2, 100, 0).empty());
+  EXPECT_EQ(office.StandingOf(TicketOffice::kMaxLead - 1), Standing::kNeverIssued);
+}
+
+TEST(TicketOfficeTest, AGameOfAnEarlierStartCountsBeforeItsTicketIsIssuedAnew) {
+  TicketOffice office(Tickets{0, 1});
+  office.Claim(1, Tickets{4});
+  office.Complete(4);
+  EXPECT_EQ(office.StandingOf(4), Standing::kDurable);
+  EXPECT_EQ(office.Grant(1, 4, 4), (Tickets{2, 3, 5, 6}));
 }
 
 TEST(TicketOfficeTest, AbsurdClaimsAreIgnored) {
