@@ -1,16 +1,14 @@
 // actor: plays games for a learner.
 
 #include <signal.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <chrono>
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <optional>
-#include <random>
 #include <string>
 #include <thread>
 
@@ -18,6 +16,8 @@
 #include "actors/selfplay/self_play.h"
 #include "common/base/check.h"
 #include "common/base/log.h"
+#include "common/base/name.h"
+#include "common/base/unique.h"
 #include "common/base/worker.h"
 #include "common/wire/zmq_transport.h"
 
@@ -42,16 +42,10 @@ struct Arguments {
 // EX_TEMPFAIL of sysexits.h: the same again, later, may work.
 constexpr int kGaveUp = 75;
 
-std::string DefaultName() {
-  std::array<char, 64> host{};
-  if (gethostname(host.data(), host.size() - 1) != 0) return "actor";
-  return host.data();
-}
-
 void AddOptions(CLI::App& app, Arguments& arguments) {
-  arguments.name = DefaultName();
+  arguments.name = HostName().empty() ? "actor" : HostName();
   app.add_option("--learner", arguments.learner, "tcp://HOST:PORT or ipc://PATH")->required();
-  app.add_option("--name", arguments.name, "unique in the run: letters, digits, '.', '_', '-'");
+  app.add_option("--name", arguments.name, "unique in the run");
   app.add_option("--loops", arguments.loops, "threads that play")->check(CLI::Range(1u, kMaxLoops));
   app.add_option("--spool", arguments.spool,
                  "folder for games that are not acknowledged; one for each actor")
@@ -60,9 +54,9 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
                  "folder with learner.public and actors/NAME.{public,secret}");
   app.add_option("--run", arguments.run_id, "refuse to play for any other run");
   app.add_option("--evaluator", arguments.evaluator,
-                 "auto, uniform, onednn or torch instead of what the run says");
+                 Joined(kEvaluatorNames, ", ") + " instead of what the run says");
   app.add_option("--precision", arguments.precision,
-                 "auto, fp32, bf16, fp16 or int8 instead of what the run says");
+                 Joined(kPrecisionNames, ", ") + " instead of what the run says");
   app.add_option("--log-file", arguments.log_file, "beside standard error");
   app.add_option("--log-level", arguments.log_level, "debug, info, warn or error");
   app.add_option("--patience", arguments.patience_s,
@@ -75,12 +69,11 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
 }
 
 SelfPlaySettings SettingsOf(const Arguments& arguments) {
-  std::random_device entropy;
   SelfPlaySettings settings;
   settings.session.run_id = arguments.run_id;
-  settings.session.build = "powderkeg 0.1.0";
+  settings.session.build = "powderkeg " POWDERKEG_VERSION;
   settings.session.name = arguments.name;
-  settings.session.incarnation = std::uint64_t{entropy()} << 32 | entropy();
+  settings.session.incarnation = UniqueNumber();
   settings.session.loops = arguments.loops;
   settings.session.give_up = std::chrono::seconds(arguments.give_up_s);
   settings.spool = arguments.spool;
@@ -119,6 +112,7 @@ void RunUntilSignal(SelfPlay& self_play, const sigset_t& signals) {
 
 // The exit code.
 int Run(const Arguments& arguments) {
+  RequireName("--name", arguments.name);
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
@@ -143,7 +137,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     return powderkeg::Run(arguments);
-  } catch (const powderkeg::Error& error) {
+  } catch (const std::exception& error) {
     powderkeg::log::Error("actor failed", "error", error.what());
     return 1;
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <iostream>
 #include <memory>
 #include <string>
 #include <thread>
@@ -13,9 +14,10 @@
 #include "actors/http/agent_routes.h"
 #include "actors/http/agent_service.h"
 #include "actors/play/factory.h"
-#include "actors/run_main.h"
 #include "common/base/check.h"
 #include "common/base/log.h"
+#include "common/base/run_main.h"
+#include "common/config/agent_spec.h"
 #include "common/http/http_server.h"
 #include "common/model/evaluation_cache.h"
 #include "common/model/weights_snapshot.h"
@@ -62,8 +64,15 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       ->excludes(simulations);
   app.add_option("--seed", arguments.seed, "of all random choices (1)");
   app.add_option("--evaluator", arguments.evaluator.evaluator,
-                 "of agents with a model: auto, uniform, onednn, torch");
-  app.add_option("--precision", arguments.evaluator.precision, "auto, fp32, bf16, fp16, int8");
+                 "of agents with a model: " + Joined(kEvaluatorNames, ", "));
+  app.add_option("--precision", arguments.evaluator.precision, Joined(kPrecisionNames, ", "));
+  app.add_flag_callback(
+      "--help-options",
+      [] {
+        std::cout << AgentOptionsHelp();
+        throw CLI::Success();
+      },
+      "every option of a search with its default, meaning and range");
   app.add_option("--evaluator-threads", arguments.evaluator.threads,
                  StrCat("processors that answer the questions of a search, each part of them (",
                         arguments.evaluator.threads, "); only with onednn"))
@@ -77,8 +86,8 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
 }
 
 // The agent's own words, changed by what holds for all.
-AgentDescription DescriptionOf(const std::string& text, const Arguments& arguments) {
-  AgentDescription description = ParseAgent(text);
+AgentSpec DescriptionOf(const std::string& text, const Arguments& arguments) {
+  AgentSpec description = ParseAgent(text);
   if (arguments.simulations > 0) description.search.simulations = arguments.simulations;
   if (arguments.move_time_ms > 0) {
     description.search.simulations = kEnoughSimulations;
@@ -88,18 +97,18 @@ AgentDescription DescriptionOf(const std::string& text, const Arguments& argumen
       description.search.gumbel_first_halving = kFirstHalving;
     }
   }
-  const bool thinks = description.kind != AgentDescription::Kind::kRuleBased;
+  const bool thinks = description.kind != AgentSpec::Kind::kRuleBased;
   if (thinks && description.model_file.empty()) description.model_file = arguments.model;
   return description;
 }
 
 // Refuses options that no agent would look at.
-void CheckOptions(const std::vector<AgentDescription>& agents, const Arguments& arguments) {
-  using Kind = AgentDescription::Kind;
+void CheckOptions(const std::vector<AgentSpec>& agents, const Arguments& arguments) {
+  using Kind = AgentSpec::Kind;
   const bool searches = std::ranges::any_of(
-      agents, [](const AgentDescription& agent) { return agent.kind == Kind::kSearch; });
+      agents, [](const AgentSpec& agent) { return agent.kind == Kind::kSearch; });
   const bool thinks = std::ranges::any_of(
-      agents, [](const AgentDescription& agent) { return agent.kind != Kind::kRuleBased; });
+      agents, [](const AgentSpec& agent) { return agent.kind != Kind::kRuleBased; });
   if (!searches && (arguments.simulations > 0 || arguments.move_time_ms > 0)) {
     throw Error("--simulations and --move-time-ms: expected an agent that searches");
   }
@@ -109,13 +118,13 @@ void CheckOptions(const std::vector<AgentDescription>& agents, const Arguments& 
 }
 
 // One for each port.
-std::vector<AgentDescription> AgentsOf(const Arguments& arguments) {
+std::vector<AgentSpec> AgentsOf(const Arguments& arguments) {
   const std::size_t ports = arguments.ports.size();
   if (arguments.agents.size() != 1 && arguments.agents.size() != ports) {
     throw Error(StrCat(arguments.agents.size(), " agents for ", ports,
                        " ports, expected one agent or one for each port"));
   }
-  std::vector<AgentDescription> agents;
+  std::vector<AgentSpec> agents;
   for (const std::string& text : arguments.agents) {
     agents.push_back(DescriptionOf(text, arguments));
   }
@@ -132,7 +141,7 @@ struct Seat {
 };
 
 // Under a clock everything is ready before the first game.
-Seat Serve(const AgentDescription& agent, int port, const Arguments& arguments) {
+Seat Serve(const AgentSpec& agent, int port, const Arguments& arguments) {
   const bool timed = arguments.move_time_ms > 0;
   EvaluatorChoice choice = arguments.evaluator;
   // For as many questions about models as about leaves.
@@ -193,7 +202,7 @@ void Report(const Seat& seat) {
 }
 
 void Run(const Arguments& arguments) {
-  const std::vector<AgentDescription> agents = AgentsOf(arguments);
+  const std::vector<AgentSpec> agents = AgentsOf(arguments);
   const sigset_t signals = BlockEndSignals();
   log::Init(/*file=*/"", log::LevelFor(arguments.log_level));
   InitialiseEvaluators();

@@ -13,12 +13,13 @@
 #include <vector>
 
 #include "actors/arena/contest.h"
-#include "actors/arena/progress.h"
+#include "actors/arena/match_progress.h"
 #include "actors/arena/report.h"
 #include "actors/evaluator_choice.h"
 #include "actors/play/factory.h"
-#include "actors/run_main.h"
 #include "common/base/check.h"
+#include "common/base/run_main.h"
+#include "common/config/agent_spec.h"
 #include "common/model/weights_snapshot.h"
 
 namespace powderkeg {
@@ -82,8 +83,15 @@ void AddPlayers(CLI::App& app, Arguments& arguments) {
   app.add_option("--mate", arguments.mate,
                  "in team modes: who plays with the measured agent; without it, the agent itself");
   app.add_option("--evaluator", arguments.evaluator.evaluator,
-                 "of agents with a model: auto, uniform, onednn, torch");
-  app.add_option("--precision", arguments.evaluator.precision, "auto, fp32, bf16, fp16, int8");
+                 "of agents with a model: " + Joined(kEvaluatorNames, ", "));
+  app.add_option("--precision", arguments.evaluator.precision, Joined(kPrecisionNames, ", "));
+  app.add_flag_callback(
+      "--help-options",
+      [] {
+        std::cout << AgentOptionsHelp();
+        throw CLI::Success();
+      },
+      "every option of a search with its default, meaning and range");
 }
 
 void AddGames(CLI::App& app, Arguments& arguments) {
@@ -148,8 +156,8 @@ ContestSettings SettingsOf(const Arguments& arguments) {
 }
 
 // The agent in role 0 and, in team modes, its mate in role 2.
-Lineup LineupOf(const std::string& agent, const Arguments& arguments, Mode mode) {
-  Lineup lineup;
+MatchLineup LineupOf(const std::string& agent, const Arguments& arguments, Mode mode) {
+  MatchLineup lineup;
   lineup[0] = ParseAgent(agent);
   for (std::size_t role = 1; role < lineup.size(); ++role) {
     const std::vector<std::string>& opponents = arguments.opponents;
@@ -182,28 +190,28 @@ class Bars final : public ContestWatcher {
  public:
   Bars(const std::vector<std::string>& agents, int games) {
     const auto style =
-        isatty(STDERR_FILENO) != 0 ? Progress::Style::kTerminal : Progress::Style::kPlain;
+        isatty(STDERR_FILENO) != 0 ? MatchProgress::Style::kTerminal : MatchProgress::Style::kPlain;
     for (const std::string& agent : agents) bars_.emplace_back(std::cerr, style, agent, games);
   }
 
-  void Began(int agent) override { bars_[agent].Start(Progress::Clock::now()); }
+  void Began(int agent) override { bars_[agent].Start(MatchProgress::Clock::now()); }
   void Played(int agent, const PlayedGame& game) override {
-    bars_[agent].AddGame(game, Progress::Clock::now());
+    bars_[agent].AddGame(game, MatchProgress::Clock::now());
   }
   void Tested(int agent, const TestState& state) override { bars_[agent].SetTest(state); }
-  void Paused(int agent) override { bars_[agent].Pause(Progress::Clock::now()); }
+  void Paused(int agent) override { bars_[agent].Pause(MatchProgress::Clock::now()); }
 
  private:
-  std::vector<Progress> bars_;
+  std::vector<MatchProgress> bars_;
 };
 
 std::vector<Contender> ContendersOf(const Arguments& arguments, const MatchSettings& settings,
-                                    const std::vector<Lineup>& lineups,
+                                    const std::vector<MatchLineup>& lineups,
                                     std::vector<ContestResult> results) {
   std::vector<Contender> contenders;
   for (std::size_t i = 0; i < results.size(); ++i) {
-    const AgentDescription& agent = lineups[i][0];
-    const bool searches = agent.kind == AgentDescription::Kind::kSearch;
+    const AgentSpec& agent = lineups[i][0];
+    const bool searches = agent.kind == AgentSpec::Kind::kSearch;
     Contender contender{.agent = agent.text,
                         .opponents = Joined(arguments.opponents),
                         .simulations = searches ? agent.search.simulations : 0,
@@ -228,7 +236,7 @@ void WriteFile(const std::string& path, const std::string& text) {
 
 void Run(const Arguments& arguments) {
   const ContestSettings settings = SettingsOf(arguments);
-  std::vector<Lineup> lineups;  // all at once: a mistake should not surface after the first match
+  std::vector<MatchLineup> lineups;  // all at once: a mistake should not surface after the first match
   for (const std::string& agent : arguments.agents) {
     lineups.push_back(LineupOf(agent, arguments, settings.match.game.mode));
   }

@@ -23,7 +23,7 @@ bool Add(double sample, int agent, SequentialTest& test, ContestWatcher& watcher
   return test.state().answer != Answer::kOpen;
 }
 
-ContestResult PlayAlone(const Lineup& lineup, int agent, const ContestSettings& settings,
+ContestResult PlayAlone(const MatchLineup& lineup, int agent, const ContestSettings& settings,
                         const ModelLoader& loader, ContestWatcher& watcher) {
   MatchPlayer player(lineup, settings.match, loader);
   if (!settings.question) {
@@ -46,7 +46,7 @@ int NextTurn(const ContestSettings& settings, std::size_t played) {
       std::max({settings.min_games, games / 4, kGamesPerThread * settings.match.threads}));
 }
 
-std::vector<ContestResult> PlayInTurns(std::span<const Lineup> lineups,
+std::vector<ContestResult> PlayInTurns(std::span<const MatchLineup> lineups,
                                        const ContestSettings& settings, const ModelLoader& loader,
                                        ContestWatcher& watcher) {
   MatchPlayer base(lineups[0], settings.match, loader);
@@ -68,7 +68,7 @@ std::vector<ContestResult> PlayInTurns(std::span<const Lineup> lineups,
 
 }  // namespace
 
-std::vector<ContestResult> PlayContest(std::span<const Lineup> lineups,
+std::vector<ContestResult> PlayContest(std::span<const MatchLineup> lineups,
                                        const ContestSettings& settings, const ModelLoader& loader,
                                        ContestWatcher& watcher) {
   if (settings.question && settings.question->figure == Question::Figure::kScoreDifference) {

@@ -41,7 +41,7 @@ struct ContestResult {
 // it is answered and have played the same games in the end. Answers depend on games in the order of
 // their numbers alone, never on which ended first. Throws Error as MatchPlayer does, and if a score
 // difference is asked about other than two agents.
-[[nodiscard]] std::vector<ContestResult> PlayContest(std::span<const Lineup> lineups,
+[[nodiscard]] std::vector<ContestResult> PlayContest(std::span<const MatchLineup> lineups,
                                                      const ContestSettings& settings,
                                                      const ModelLoader& loader,
                                                      ContestWatcher& watcher);

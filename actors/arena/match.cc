@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "actors/play/agent_pool.h"
 #include "common/base/check.h"
 #include "common/base/worker.h"
 #include "common/pommerman/board_text.h"
@@ -29,15 +30,15 @@ int SeatCount(const GameSettings& settings) {
 AgentId SeatOf(int role, int number, int seats) { return (role + number) % seats; }
 
 // Without a network, games side by side only crowd the caches.
-int GamesInFlight(const MatchSettings& settings, const Lineup& lineup) {
+int GamesInFlight(const MatchSettings& settings, const MatchLineup& lineup) {
   if (settings.games_in_flight > 0) return settings.games_in_flight;
   constexpr int kWithModel = 16;
   const bool plain =
-      std::ranges::all_of(lineup, &std::string::empty, &AgentDescription::model_file);
+      std::ranges::all_of(lineup, &std::string::empty, &AgentSpec::model_file);
   return plain ? 1 : kWithModel;
 }
 
-std::vector<int> MeasuredRoles(const Lineup& lineup, Mode mode) {
+std::vector<int> MeasuredRoles(const MatchLineup& lineup, Mode mode) {
   if (IsTeamMode(mode) && lineup[2].text == lineup[0].text) return {0, 2};
   return {0};
 }
@@ -98,6 +99,12 @@ class Scoreboard {
   std::map<int, PlayedGame> early_;  // ended before a game of a lower number; guarded by mutex_
 };
 
+// The environment's word, which ties whoever died before a tie.
+std::int8_t OfficialOutcome(const Outcome& outcome, AgentId seat) {
+  if (outcome.result == Result::kTie) return 0;
+  return (outcome.winners >> seat & 1) != 0 ? 1 : -1;
+}
+
 // Writes the position; "the position is saved in FILE", or why it is not.
 std::string SavePosition(const State& state, const std::string& path) {
   std::ofstream file(path);
@@ -111,13 +118,13 @@ std::string SavePosition(const State& state, const std::string& path) {
 // The games of one thread.
 class MatchThread final : public GameHost {
  public:
-  MatchThread(const Lineup& lineup, const MatchSettings& settings, const std::vector<int>& roles,
+  MatchThread(const MatchLineup& lineup, const MatchSettings& settings, const std::vector<int>& roles,
               const ModelLoader& loader)
       : lineup_(lineup),
         settings_(settings),
         roles_(roles),
-        slots_(static_cast<std::size_t>(settings.games_in_flight)) {
-    for (const AgentDescription& description : lineup) {
+        agents_({lineup.begin(), lineup.end()}) {
+    for (const AgentSpec& description : lineup) {
       if (!models_.contains(description.model_file)) {
         models_[description.model_file] = MakeModel(description.model_file, loader);
       }
@@ -148,7 +155,8 @@ class MatchThread final : public GameHost {
     const int seats = SeatCount(settings_.game);
     for (int role = 0; role < seats; ++role) {
       const AgentId seat = SeatOf(role, *number, seats);
-      if (plan.setup.seats[seat].searches) plan.players[seat] = PlayerOf(slot, role);
+      if (plan.setup.seats[seat].searches) plan.agents[seat] = {agents_.At(slot, seat, static_cast<std::size_t>(role)),
+                             models_.at(lineup_[role].model_file)};
     }
     return plan;
   }
@@ -163,7 +171,8 @@ class MatchThread final : public GameHost {
     played.seat = SeatOf(/*role=*/0, played.number, seats);
     for (int role = 0; role < seats; ++role) {
       const AgentId seat = SeatOf(role, played.number, seats);
-      played.outcomes[role] = static_cast<std::int8_t>(OutcomeFor(record, seat));
+      played.outcomes[role] = OfficialOutcome(record.outcome, seat);
+      played.died[role] = !game.state().agents[seat].alive;
       played.statistics[role] = game.statistics(seat);
     }
     moves_ += MeasuredMoves(game);
@@ -171,8 +180,6 @@ class MatchThread final : public GameHost {
   }
 
  private:
-  using Agents = std::array<std::unique_ptr<Agent>, kAgentCount>;  // by role
-
   void PlayGames(const std::stop_token& stop) {
     const Clock::time_point start = Clock::now();
     moves_ = 0;
@@ -194,45 +201,40 @@ class MatchThread final : public GameHost {
     return moves;
   }
 
-  Player PlayerOf(int slot, int role) {
-    std::unique_ptr<Agent>& agent = slots_[static_cast<std::size_t>(slot)][role];
-    if (agent == nullptr) agent = MakeAgent(lineup_[role]);
-    return {agent.get(), models_.at(lineup_[role].model_file)};
-  }
-
   // The first agent, by role, that the evaluator answers.
   [[nodiscard]] std::string AgentOf(const Evaluator* evaluator) const {
-    const auto agent = std::ranges::find_if(lineup_, [&](const AgentDescription& description) {
+    const auto agent = std::ranges::find_if(lineup_, [&](const AgentSpec& description) {
       return models_.at(description.model_file).evaluator.get() == evaluator;
     });
     return agent == lineup_.end() ? "unknown" : agent->text;
   }
 
-  const Lineup& lineup_;
+  const MatchLineup& lineup_;
   const MatchSettings& settings_;
   const std::vector<int>& roles_;
   Scoreboard* scoreboard_ = nullptr;     // of this go
   std::uint64_t moves_ = 0;              // of the measured agent in this go
   std::map<std::string, Model> models_;  // by file
-  std::vector<Agents> slots_;            // made when first needed, then reused
+  AgentPool agents_;
 };
 
-GameSetup SetupOf(const MatchSettings& settings, const Lineup& lineup, int number) {
+GameSetup SetupOf(const MatchSettings& settings, const MatchLineup& lineup, int number) {
   GameSetup setup;
   setup.settings = settings.game;
   setup.start = settings.start;
   setup.seed = Rng(settings.seed).Split(static_cast<std::uint64_t>(number)).Next();
   const int seats = SeatCount(settings.game);
   for (int role = 0; role < seats; ++role) {
-    const AgentDescription& description = lineup[role];
+    const AgentSpec& description = lineup[role];
     setup.seats[SeatOf(role, number, seats)] = {
-        .searches = description.kind != AgentDescription::Kind::kRuleBased,
-        .policy = description.policy};
+        .searches = description.kind != AgentSpec::Kind::kRuleBased,
+        .policy = description.policy,
+        .player = static_cast<std::uint8_t>(role)};
   }
   return setup;
 }
 
-MatchPlayer::MatchPlayer(const Lineup& lineup, const MatchSettings& settings,
+MatchPlayer::MatchPlayer(const MatchLineup& lineup, const MatchSettings& settings,
                          const ModelLoader& loader)
     : lineup_(lineup), settings_(settings) {
   CHECK(settings.threads > 0 && settings.games > 0, settings.threads, " ", settings.games);
@@ -262,13 +264,6 @@ void MatchPlayer::Play(int games, const MatchObserver& observer) {
 void MatchPlayer::KeepFirst(std::size_t games) {
   CHECK(games <= match_.games.size(), games, " of ", match_.games.size());
   match_.games.resize(games);
-}
-
-Match PlayMatch(const Lineup& lineup, const MatchSettings& settings, const ModelLoader& loader,
-                const std::function<void(const PlayedGame&)>& on_game) {
-  MatchPlayer player(lineup, settings, loader);
-  player.Play(settings.games, {.on_game = on_game, .is_enough = nullptr});
-  return player.match();
 }
 
 }  // namespace powderkeg

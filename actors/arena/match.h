@@ -20,7 +20,7 @@ namespace powderkeg {
 // Who plays: role r sits in seat (r + number of the game) mod the number of seats, so that everyone
 // plays every seat and neighbours stay neighbours. In team modes roles 0 and 2 are mates. Roles
 // without a seat (one against one) are ignored. Role 0 is the agent that is measured.
-using Lineup = std::array<AgentDescription, kAgentCount>;
+using MatchLineup = std::array<AgentSpec, kAgentCount>;
 
 struct MatchSettings {
   GameSettings game = {};
@@ -39,7 +39,8 @@ struct PlayedGame {
   std::uint64_t seed = 0;  // GameSetup::seed
   int steps = 0;
   AgentId seat = 0;                                 // of role 0
-  std::array<std::int8_t, kAgentCount> outcomes{};  // +1 win, 0 tie, -1 loss
+  std::array<std::int8_t, kAgentCount> outcomes{};  // official: +1 win, 0 tie, -1 loss
+  std::array<bool, kAgentCount> died{};             // dead at the end
   GameStatistics statistics{};
 };
 
@@ -54,7 +55,7 @@ struct Match {
 };
 
 // The setup of game `number`; depends on the seed of the match, not on the agents' strength.
-[[nodiscard]] GameSetup SetupOf(const MatchSettings& settings, const Lineup& lineup, int number);
+[[nodiscard]] GameSetup SetupOf(const MatchSettings& settings, const MatchLineup& lineup, int number);
 
 // Who looks on. Called one call at a time, from any thread.
 struct MatchObserver {
@@ -73,7 +74,7 @@ class MatchThread;
 class MatchPlayer {
  public:
   // Throws Error if a model cannot be loaded.
-  MatchPlayer(const Lineup& lineup, const MatchSettings& settings, const ModelLoader& loader);
+  MatchPlayer(const MatchLineup& lineup, const MatchSettings& settings, const ModelLoader& loader);
   ~MatchPlayer();
 
   // Plays the next `games` games, or fewer if the observer has enough. Throws Error, and the match
@@ -86,15 +87,10 @@ class MatchPlayer {
   [[nodiscard]] const Match& match() const { return match_; }
 
  private:
-  Lineup lineup_;
+  MatchLineup lineup_;
   MatchSettings settings_;
   std::vector<std::unique_ptr<MatchThread>> threads_;
   Match match_;
 };
-
-// A whole match in one go.
-[[nodiscard]] Match PlayMatch(const Lineup& lineup, const MatchSettings& settings,
-                              const ModelLoader& loader,
-                              const std::function<void(const PlayedGame&)>& on_game);
 
 }  // namespace powderkeg

@@ -8,22 +8,10 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/format.h"
 
 namespace powderkeg {
 namespace {
-
-constexpr std::array<const char*, kActionCount> kActionNames = {"stop", "up",    "down",
-                                                                "left", "right", "bomb"};
-
-// printf into a string.
-template <typename... Values>
-std::string Format(const char* format, Values... values) {
-  const int length = std::snprintf(nullptr, 0, format, values...);
-  CHECK(length >= 0, format);
-  std::string text(static_cast<std::size_t>(length), '\0');
-  std::snprintf(text.data(), text.size() + 1, format, values...);
-  return text;
-}
 
 // In quotes, with what JSON and CSV both need escaped in a file name or specification.
 std::string Quoted(std::string_view text) {
@@ -98,7 +86,8 @@ std::string ContenderText(const Contender& contender) {
       Format("  %llu games in %.1f s against %s\n", static_cast<unsigned long long>(games),
              contender.match.seconds, contender.opponents.c_str()) +
       RateText("win", summary.score.wins, games) + RateText("tie", summary.score.ties, games) +
-      RateText("loss", summary.score.losses, games) + "  Elo     " + EloText(summary.elo) +
+      RateText("loss", summary.score.losses, games) +
+      RateText("died", summary.deaths, summary.agents) + "  Elo     " + EloText(summary.elo) +
       "  over the average opponent\n" +
       Format("  steps   %5.1f   (sd %.1f; alive for %.1f)\n", summary.steps.mean(),
              summary.steps.standard_deviation(), summary.moves_per_game) +
@@ -110,20 +99,22 @@ std::string ContenderText(const Contender& contender) {
 
 std::string TableText(std::span<const Contender> contenders) {
   std::string text =
-      "   win   [95 %]            tie    loss    Elo   steps  depth  ms/move   stop  bombs  kicks"
+      "   win   [95 %]            tie    loss    died    Elo   steps  depth  ms/move   stop  bombs "
+      " kicks"
       "  kills  cells  agent\n";
   for (const Contender& contender : contenders) {
     const MatchSummary& summary = contender.summary;
     const std::uint64_t games = summary.score.games();
     const Interval win = WilsonInterval(summary.score.wins, games);
     text += Format(
-        "%6.3f [%5.3f, %5.3f]  %6.3f  %6.3f  %+5.0f  %6.1f  %5.2f  %7.2f  %5.3f  %5.2f  %5.2f  "
+        "%6.3f [%5.3f, %5.3f]  %6.3f  %6.3f  %6.3f  %+5.0f  %6.1f  %5.2f  %7.2f  %5.3f  %5.2f  "
+        "%5.2f  "
         "%5.2f  %5.2f  %s\n",
         RateOf(summary.score.wins, games), win.low, win.high, RateOf(summary.score.ties, games),
-        RateOf(summary.score.losses, games), summary.elo.elo, summary.steps.mean(),
-        summary.mean_depth, summary.ms_per_move, summary.action_shares[0], summary.bombs_per_game,
-        summary.kicks_per_game, summary.kills_per_game, summary.cells_in_window,
-        contender.agent.c_str());
+        RateOf(summary.score.losses, games), RateOf(summary.deaths, summary.agents),
+        summary.elo.elo, summary.steps.mean(), summary.mean_depth, summary.ms_per_move,
+        summary.action_shares[0], summary.bombs_per_game, summary.kicks_per_game,
+        summary.kills_per_game, summary.cells_in_window, contender.agent.c_str());
   }
   return text;
 }
@@ -170,6 +161,7 @@ std::vector<Figure> FiguresOf(const Contender& contender) {
   AddRate("win", summary.score.wins, games, figures);
   AddRate("tie", summary.score.ties, games, figures);
   AddRate("loss", summary.score.losses, games, figures);
+  AddRate("died", summary.deaths, summary.agents, figures);
   AddInterval("elo", summary.elo.elo, summary.elo.interval, figures);
   const std::vector<Figure> plain = {
       {"steps", summary.steps.mean()},
@@ -285,14 +277,14 @@ std::string TableCsv(std::span<const Contender> contenders) {
 
 std::string GamesCsv(std::span<const Contender> contenders) {
   std::string text =
-      "agent,game,seed,seat,outcome,steps,moves,simulations,bombs,kicks,kills,own_deaths\n";
+      "agent,game,seed,seat,outcome,died,steps,moves,simulations,bombs,kicks,kills,own_deaths\n";
   for (const Contender& contender : contenders) {
     for (const PlayedGame& game : contender.match.games) {
       const SeatStatistics& statistics = game.statistics[0];
       text += Quoted(contender.agent) +
-              Format(",%d,%llu,%d,%d,%d,%u,%llu,%u,%u,%u,%u\n", game.number,
+              Format(",%d,%llu,%d,%d,%d,%d,%u,%llu,%u,%u,%u,%u\n", game.number,
                      static_cast<unsigned long long>(game.seed), game.seat, game.outcomes[0],
-                     game.steps, statistics.moves,
+                     game.died[0] ? 1 : 0, game.steps, statistics.moves,
                      static_cast<unsigned long long>(statistics.simulations), statistics.bombs,
                      statistics.kicks, statistics.kills, statistics.own_deaths);
     }

@@ -1,6 +1,5 @@
 #include "actors/http/agent_service.h"
 
-#include <algorithm>
 #include <bit>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -40,16 +39,15 @@ GameSettings UsualSettings(Mode mode) {
 
 ServiceReply Success() { return {.body = Json{{"success", true}}.dump()}; }
 
-ServiceReply Played(Mode mode, const Observation& observation, Action action) {
+ServiceReply Played(Mode mode, Action action, const Message& words) {
   const int number = static_cast<int>(action);
   if (mode != Mode::kTeamRadio) return {.body = Json{{"action", number}}.dump()};
-  const Message words = EncodeReport(observation.step, observation.position, action);
   return {.body = Json{{"action", {number, words[0], words[1]}}}.dump()};
 }
 
 // What to play while the agent has no idea: a rule's action, which knows this observation alone.
 Action StandIn(const ActionRequest& request, Rng rng) {
-  Belief belief(request.settings, {});
+  Belief belief(request.settings);
   belief.Observe(request.observation);
   const PolicyView view{belief.state(), request.settings, belief.self(), belief.visible()};
   const PolicyTraits traits = PolicyTraits::Draw(rng);
@@ -103,14 +101,15 @@ ServiceReply AgentService::InitAgent(std::string_view body) {
 }
 
 ServiceReply AgentService::Act(std::string_view body, Clock::time_point arrival) {
-  const auto parsed = ParseActionRequest(body);
+  auto parsed = ParseActionRequest(body);
   const Clock::time_point understood = Clock::now();
   const std::lock_guard lock(mutex_);
   if (const auto* refusal = std::get_if<Refusal>(&parsed)) return Refused(400, refusal->reason);
-  const auto& request = std::get<ActionRequest>(parsed);
+  auto& request = std::get<ActionRequest>(parsed);
   if (const std::string conflict = Conflict(request); !conflict.empty()) {
     return Refused(409, conflict);
   }
+  Believe(request);
   const Clock::time_point deadline =
       settings_.move_time.count() > 0 ? arrival + settings_.move_time : kNever;
   thinker_.Start(Observe(request), deadline);
@@ -122,7 +121,7 @@ ServiceReply AgentService::Act(std::string_view body, Clock::time_point arrival)
   Count(thought, {.read = Between(arrival, understood),
                   .wait = Between(understood, began),
                   .think = Between(began, answered)});
-  return Played(request.settings.mode, request.observation, action);
+  return Played(request.settings.mode, action, thought.words);
 }
 
 ServiceReply AgentService::EndEpisode(std::string_view body) {
@@ -147,11 +146,6 @@ ServiceStatistics AgentService::statistics() const {
   return statistics_;
 }
 
-std::optional<Cell> AgentService::mate() const {
-  const std::lock_guard lock(mutex_);
-  return game_ ? game_->mate.cell() : std::nullopt;
-}
-
 ServiceReply AgentService::Refused(int status, std::string_view reason) {
   // The 1st, 2nd, 4th, 8th, ... is logged: a client may go on for ever.
   if (std::has_single_bit(++statistics_.refused)) {
@@ -173,6 +167,15 @@ std::string AgentService::Conflict(const ActionRequest& request) const {
   return {};
 }
 
+void AgentService::Believe(ActionRequest& request) {
+  if (!request.step_known && game_) {
+    request.observation.step =
+        static_cast<std::uint16_t>(std::min(game_->step + 1, request.settings.max_steps - 1));
+  }
+  if (request.believed.empty() || std::exchange(belief_said_, true)) return;
+  log::Warn("observations lack what is then believed", "keys", request.believed);
+}
+
 Briefing AgentService::Observe(const ActionRequest& request) {
   const Observation& observation = request.observation;
   Briefing briefing{.settings = request.settings, .observation = observation};
@@ -180,22 +183,10 @@ Briefing AgentService::Observe(const ActionRequest& request) {
                        game_->self == observation.self && game_->step + 1 == observation.step;
   if (!follows) {
     briefing.new_game = Rng(settings_.seed).Split(statistics_.games++);
-    game_ = Game{.settings = request.settings, .self = observation.self, .step = 0, .mate = {}};
+    game_ = Game{.settings = request.settings, .self = observation.self, .step = 0};
   }
   game_->step = observation.step;
-  if (request.settings.mode == Mode::kTeamRadio) briefing.mate = ListenToMate(observation);
   return briefing;
-}
-
-std::optional<Cell> AgentService::ListenToMate(const Observation& observation) {
-  MateTracker& mate = game_->mate;
-  mate.Hear(observation.step, observation.message);
-  const auto seen = std::ranges::find(observation.board,
-                                      AgentValue(TeamMateOf(Mode::kTeamRadio, observation.self)));
-  if (seen != observation.board.end()) {
-    mate.See(observation.step, static_cast<Cell>(seen - observation.board.begin()));
-  }
-  return mate.cell();
 }
 
 void AgentService::Count(const Thought& thought, const MoveTimes& times) {

@@ -1,5 +1,8 @@
 #include "actors/http/json_reader.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace powderkeg {
 namespace {
 
@@ -37,6 +40,12 @@ const Json& JsonReader::Member(const Json& object, std::string_view key) {
   return kNull;
 }
 
+const Json* JsonReader::Find(const Json& object, std::string_view key) {
+  if (!object.is_object()) return nullptr;
+  const auto found = object.find(key);
+  return found == object.end() || found->is_null() ? nullptr : &*found;
+}
+
 const Json& JsonReader::List(const Json& list, std::string_view name, std::size_t size) {
   if (!list.is_array()) {
     Refuse(name, " is ", Excerpt(list), ", expected a list");
@@ -60,8 +69,18 @@ int JsonReader::Integer(const Json& value, std::string_view name, int minimum, i
   return minimum;
 }
 
+int JsonReader::Nearest(const Json& value, std::string_view name, int minimum, int maximum) {
+  if (value.is_number()) {
+    return static_cast<int>(
+        std::clamp(std::round(value.get<double>()), minimum * 1.0, maximum * 1.0));
+  }
+  Refuse(name, " is ", Excerpt(value), ", expected a number");
+  return minimum;
+}
+
 bool JsonReader::Boolean(const Json& value, std::string_view name) {
   if (value.is_boolean()) return value.get<bool>();
+  if (value.is_number()) return value.get<double>() != 0;
   Refuse(name, " is ", Excerpt(value), ", expected true or false");
   return false;
 }

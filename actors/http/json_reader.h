@@ -37,6 +37,9 @@ class JsonReader {
   // object[key]; requires an object with this key.
   [[nodiscard]] const Json& Member(const Json& object, std::string_view key);
 
+  // object[key], or nullptr if that is missing or null.
+  [[nodiscard]] static const Json* Find(const Json& object, std::string_view key);
+
   // A list of `size` elements.
   [[nodiscard]] const Json& List(const Json& list, std::string_view name, std::size_t size);
   // The element, null if there is none.
@@ -44,6 +47,9 @@ class JsonReader {
 
   // A whole number in [minimum, maximum], written as an integer or a float.
   [[nodiscard]] int Integer(const Json& value, std::string_view name, int minimum, int maximum);
+  // Any number: the whole one in [minimum, maximum] that is nearest.
+  [[nodiscard]] int Nearest(const Json& value, std::string_view name, int minimum, int maximum);
+  // true, false or a number, of which 0 is false.
   [[nodiscard]] bool Boolean(const Json& value, std::string_view name);
   [[nodiscard]] std::string Text(const Json& value, std::string_view name);
 

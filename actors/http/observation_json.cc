@@ -1,6 +1,9 @@
 #include "actors/http/observation_json.h"
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
+#include <cstdlib>
 #include <string>
 #include <utility>
 
@@ -12,8 +15,8 @@ namespace {
 constexpr int kAgent0 = static_cast<int>(CellValue::kAgent0);
 constexpr int kDummy = static_cast<int>(CellValue::kAgentDummy);
 constexpr int kMaxBlastStrength = 10;
-constexpr int kMaxAmmo = 10;
-constexpr int kFreshBombLife = 9;
+constexpr int kFirstBlastStrength = 2;
+constexpr int kFirstAmmo = 1;
 constexpr int kFreshFlameLife = 3;
 constexpr int kMaxWord = 255;  // the environment does not check words; the docs say 1..8
 
@@ -22,11 +25,10 @@ using Grid = std::array<Value, kCellCount>;
 
 std::string CellText(Cell cell) { return StrCat("[", RowOf(cell), "][", ColumnOf(cell), "]"); }
 
-// The value that the body holds as text under `key`.
+// The value that the body holds under `key`, as JSON or as a text of JSON.
 Json Decoded(JsonReader& reader, const Json& body, std::string_view key) {
-  const std::string text = reader.Text(reader.Member(body, key), key);
-  if (!reader.ok()) return nullptr;
-  return reader.Parse(text, key, kMaxJsonDepth);
+  const Json& value = reader.Member(body, key);
+  return value.is_string() ? reader.Parse(value.get<std::string>(), key, kMaxJsonDepth) : value;
 }
 
 template <typename Value>
@@ -37,70 +39,124 @@ Parsed<Value> Finished(JsonReader& reader, Value value) {
 
 // --- Fields -------------------------------------------------------------------------------------
 
-// Reads size x size numbers 0..maximum into the top left part of `cells`.
-template <typename Value>
-void ReadGrid(JsonReader& reader, const Json& object, std::string_view key, int size, int maximum,
-              Grid<Value>& cells) {
+// An observation while it is read.
+struct Reading {
+  JsonReader& reader;
+  const Json& object;
+  ActionRequest request{};
+
+  // Null, and noted, if it is missing.
+  const Json* Find(std::string_view key) {
+    const Json* const found = JsonReader::Find(object, key);
+    if (found == nullptr)
+      request.believed += (request.believed.empty() ? "" : ", ") + std::string(key);
+    return found;
+  }
+  int Number(std::string_view key, int minimum, int maximum, int believed) {
+    const Json* const value = Find(key);
+    return value == nullptr ? believed : reader.Nearest(*value, key, minimum, maximum);
+  }
+};
+
+// Calls `read(value, name)` for each cell of the size x size numbers in the top left part.
+template <typename Read>
+void ReadGrid(JsonReader& reader, const Json& grid, std::string_view key, int size, Read&& read) {
   const auto length = static_cast<std::size_t>(size);
-  const Json& rows = reader.List(reader.Member(object, key), key, length);
+  const Json& rows = reader.List(grid, key, length);
   for (int row = 0; row < size && reader.ok(); ++row) {
     const std::string name = StrCat(key, "[", row, "]");
     const Json& values =
         reader.List(JsonReader::Element(rows, static_cast<std::size_t>(row)), name, length);
     for (int column = 0; column < size && reader.ok(); ++column) {
-      const Json& value = JsonReader::Element(values, static_cast<std::size_t>(column));
-      cells[CellAt(row, column)] = static_cast<Value>(reader.Integer(value, name, 0, maximum));
+      read(CellAt(row, column), JsonReader::Element(values, static_cast<std::size_t>(column)),
+           name);
     }
   }
 }
 
-void ReadGrids(JsonReader& reader, const Json& object, int size, Observation& observation) {
-  observation.board.fill(CellValue::kRigid);  // beyond a smaller board
-  ReadGrid(reader, object, "board", size, kAgent0 + kAgentCount - 1, observation.board);
-  ReadGrid(reader, object, "bomb_blast_strength", size, kMaxBlastStrength,
-           observation.bomb_blast_strength);
-  ReadGrid(reader, object, "bomb_life", size, kFreshBombLife, observation.bomb_life);
-  ReadGrid(reader, object, "bomb_moving_direction", size, static_cast<int>(Direction::kRight),
-           observation.bomb_moving_direction);
-  ReadGrid(reader, object, "flame_life", size, kFreshFlameLife, observation.flame_life);
+void ReadBoard(Reading& reading, int size, Grid<CellValue>& board) {
+  board.fill(CellValue::kRigid);  // beyond a smaller board
+  JsonReader& reader = reading.reader;
+  ReadGrid(reader, reader.Member(reading.object, "board"), "board", size,
+           [&](Cell cell, const Json& value, const std::string& name) {
+             const int most = kAgent0 + kAgentCount - 1;
+             board[cell] = static_cast<CellValue>(reader.Integer(value, name, 0, most));
+           });
 }
 
-void ReadAlive(JsonReader& reader, const Json& object, Observation& observation) {
-  const Json& alive = reader.Member(object, "alive");
-  reader.Require(alive.is_array() && alive.size() <= kAgentCount,
-                 "alive is no list of at most 4 agents");
-  for (std::size_t i = 0; i < alive.size() && reader.ok(); ++i) {
-    const int value = reader.Integer(alive[i], "alive", kAgent0, kAgent0 + kAgentCount - 1);
-    bool& living = observation.alive[value - kAgent0];
-    reader.Require(!living, "alive names agent ", value, " twice");
-    living = true;
+// What is missing is 0 everywhere.
+template <typename Value>
+void ReadNumbers(Reading& reading, std::string_view key, int size, int maximum,
+                 Grid<Value>& cells) {
+  const Json* const grid = reading.Find(key);
+  if (grid == nullptr) return;
+  ReadGrid(reading.reader, *grid, key, size,
+           [&](Cell cell, const Json& value, const std::string& name) {
+             cells[cell] = static_cast<Value>(reading.reader.Nearest(value, name, 0, maximum));
+           });
+}
+
+void ReadGrids(Reading& reading, int size) {
+  Observation& observation = reading.request.observation;
+  ReadBoard(reading, size, observation.board);
+  ReadNumbers(reading, "bomb_blast_strength", size, kMaxBlastStrength,
+              observation.bomb_blast_strength);
+  ReadNumbers(reading, "bomb_life", size, kFreshBombLife, observation.bomb_life);
+  ReadNumbers(reading, "bomb_moving_direction", size, static_cast<int>(Direction::kRight),
+              observation.bomb_moving_direction);
+  ReadNumbers(reading, "flame_life", size, kFreshFlameLife, observation.flame_life);
+}
+
+void ReadAlive(Reading& reading) {
+  Observation& observation = reading.request.observation;
+  const Json* const alive = reading.Find("alive");
+  if (alive == nullptr) return observation.alive.fill(true);
+  reading.reader.Require(alive->is_array() && alive->size() <= kAgentCount,
+                         "alive is no list of at most 4 agents");
+  for (std::size_t i = 0; i < alive->size() && reading.reader.ok(); ++i) {
+    const int value =
+        reading.reader.Integer((*alive)[i], "alive", kAgent0, kAgent0 + kAgentCount - 1);
+    observation.alive[value - kAgent0] = true;
   }
 }
 
-void ReadPosition(JsonReader& reader, const Json& object, int size, Observation& observation) {
-  const Json& position = reader.List(reader.Member(object, "position"), "position", 2);
+void ReadPosition(Reading& reading, int size) {
+  JsonReader& reader = reading.reader;
+  const Json& position = reader.List(reader.Member(reading.object, "position"), "position", 2);
   const int row = reader.Integer(JsonReader::Element(position, 0), "position[0]", 0, size - 1);
   const int column = reader.Integer(JsonReader::Element(position, 1), "position[1]", 0, size - 1);
-  observation.position = static_cast<std::uint8_t>(CellAt(row, column));
+  reading.request.observation.position = static_cast<std::uint8_t>(CellAt(row, column));
 }
 
-void ReadStatistics(JsonReader& reader, const Json& object, Observation& observation) {
-  observation.blast_strength = static_cast<std::uint8_t>(reader.Integer(
-      reader.Member(object, "blast_strength"), "blast_strength", 1, kMaxBlastStrength));
-  observation.ammo =
-      static_cast<std::uint8_t>(reader.Integer(reader.Member(object, "ammo"), "ammo", 0, kMaxAmmo));
-  observation.can_kick = reader.Boolean(reader.Member(object, "can_kick"), "can_kick");
+void ReadStatistics(Reading& reading) {
+  Observation& observation = reading.request.observation;
+  observation.blast_strength = static_cast<std::uint8_t>(
+      reading.Number("blast_strength", 1, kMaxBlastStrength, kFirstBlastStrength));
+  observation.ammo = static_cast<std::uint8_t>(reading.Number("ammo", 0, kMaxAmmo, kFirstAmmo));
+  const Json* const can_kick = reading.Find("can_kick");
+  observation.can_kick = can_kick != nullptr && reading.reader.Boolean(*can_kick, "can_kick");
 }
 
-void ReadMessage(JsonReader& reader, const Json& object, Observation& observation) {
-  const Json& words = reader.List(reader.Member(object, "message"), "message", 2);
+void ReadMessage(Reading& reading) {
+  const Json* const message = reading.Find("message");
+  if (message == nullptr) return;
+  const Json& words = reading.reader.List(*message, "message", 2);
   for (std::size_t i = 0; i < 2; ++i) {
-    observation.message[i] = static_cast<std::uint8_t>(
-        reader.Integer(JsonReader::Element(words, i), "message", 0, kMaxWord));
+    reading.request.observation.message[i] = static_cast<std::uint8_t>(
+        reading.reader.Nearest(JsonReader::Element(words, i), "message", 0, kMaxWord));
   }
 }
 
-// --- What the fields must say together ----------------------------------------------------------
+void ReadStep(Reading& reading) {
+  constexpr int kNoLastStep = UINT16_MAX;
+  ActionRequest& request = reading.request;
+  request.step_known = JsonReader::Find(reading.object, "step_count") != nullptr;
+  const int step = reading.Number("step_count", 0, kNoLastStep - 1, 0);
+  if (step >= request.settings.max_steps) request.settings.max_steps = kNoLastStep;
+  request.observation.step = static_cast<std::uint16_t>(step);
+}
+
+// --- What the fields say together ---------------------------------------------------------------
 
 // Who observes is not sent: it is the agent that stands on `position`.
 void IdentifySelf(JsonReader& reader, Observation& observation) {
@@ -110,7 +166,8 @@ void IdentifySelf(JsonReader& reader, Observation& observation) {
   if (reader.ok()) observation.self = shown - kAgent0;
 }
 
-void CheckAgents(JsonReader& reader, const Observation& observation, bool fog) {
+// Whoever is shown lives, and where everything is shown nobody else.
+void MendAgents(JsonReader& reader, bool fog, Observation& observation) {
   std::array<int, kAgentCount> shown{};
   for (Cell cell = 0; cell < kCellCount; ++cell) {
     const int value = static_cast<int>(observation.board[cell]);
@@ -118,63 +175,56 @@ void CheckAgents(JsonReader& reader, const Observation& observation, bool fog) {
     if (value >= kAgent0) ++shown[value - kAgent0];
   }
   for (std::size_t i = 0; i < kAgentCount; ++i) {
-    const int most = observation.alive[i] ? 1 : 0;
-    const int least = fog ? 0 : most;
-    reader.Require(shown[i] >= least && shown[i] <= most, "agent ", kAgent0 + static_cast<int>(i),
-                   most == 1 ? " is alive" : " is dead", " and shown ", shown[i],
+    reader.Require(shown[i] <= 1, "agent ", kAgent0 + static_cast<int>(i), " is shown ", shown[i],
                    " times on the board");
+    observation.alive[i] = shown[i] > 0 || (fog && observation.alive[i]);
   }
 }
 
-void CheckBombs(JsonReader& reader, const Observation& observation) {
+// Bombs are where the board shows one, or an agent that may stand on one.
+void MendBombs(JsonReader& reader, Observation& observation) {
   int bombs = 0;
   for (std::size_t i = 0; i < kCellCount; ++i) {
-    const bool bomb = observation.bomb_life[i] > 0;
-    const bool agrees = bomb == (observation.bomb_blast_strength[i] > 0) &&
-                        (bomb || observation.bomb_moving_direction[i] == Direction::kNone);
     const CellValue value = observation.board[i];
-    const bool shown =
-        bomb ? value == CellValue::kBomb || value >= CellValue::kAgent0 : value != CellValue::kBomb;
-    reader.Require(agrees && shown, "board, bomb_blast_strength, bomb_life and ",
-                   "bomb_moving_direction disagree about a bomb on ",
-                   CellText(static_cast<Cell>(i)));
-    bombs += bomb ? 1 : 0;
+    std::uint8_t& life = observation.bomb_life[i];
+    std::uint8_t& strength = observation.bomb_blast_strength[i];
+    const bool bomb =
+        value == CellValue::kBomb || (value >= CellValue::kAgent0 && (life > 0 || strength > 0));
+    if (!bomb) {
+      life = strength = 0;
+      observation.bomb_moving_direction[i] = Direction::kNone;
+      continue;
+    }
+    if (life == 0) life = kFreshBombLife;
+    if (strength == 0) strength = kFirstBlastStrength;
+    ++bombs;
   }
   reader.Require(bombs <= kMaxBombs, bombs, " bombs, expected at most ", kMaxBombs);
 }
 
-void CheckFlames(JsonReader& reader, const Observation& observation) {
+void MendFlames(Observation& observation) {
   for (std::size_t i = 0; i < kCellCount; ++i) {
-    reader.Require((observation.flame_life[i] > 0) == (observation.board[i] == CellValue::kFlames),
-                   "board and flame_life disagree about flames on ",
-                   CellText(static_cast<Cell>(i)));
+    std::uint8_t& life = observation.flame_life[i];
+    if (observation.board[i] != CellValue::kFlames)
+      life = 0;
+    else if (life == 0)
+      life = kFreshFlameLife;
   }
 }
 
-BitBoard FogOf(const Observation& observation) {
-  BitBoard fog;
-  for (std::size_t i = 0; i < kCellCount; ++i) {
-    if (observation.board[i] == CellValue::kFog) fog.Add(static_cast<Cell>(i));
+// How far the agent sees; 0: there is no fog.
+int ViewRadius(const Observation& observation) {
+  int radius = 0;
+  bool fog = false;
+  for (Cell cell = 0; cell < kCellCount; ++cell) {
+    if (observation.board[cell] == CellValue::kFog) {
+      fog = true;
+    } else {
+      radius = std::max({radius, std::abs(RowOf(cell) - RowOf(observation.position)),
+                         std::abs(ColumnOf(cell) - ColumnOf(observation.position))});
+    }
   }
-  return fog;
-}
-
-// `teammate` and `enemies` follow from who plays what; the environment of one against one fills
-// them as it would for teams.
-void CheckSides(JsonReader& reader, const Json& object, const GameSettings& settings,
-                AgentId self) {
-  const int teammate = reader.Integer(reader.Member(object, "teammate"), "teammate", kDummy,
-                                      kAgent0 + kAgentCount - 1);
-  const Json& enemies = reader.List(reader.Member(object, "enemies"), "enemies", 3);
-  for (std::size_t i = 0; i < 3; ++i) {
-    const int enemy = reader.Integer(JsonReader::Element(enemies, i), "enemies", kDummy,
-                                     kAgent0 + kAgentCount - 1);
-    reader.Require(enemy != kAgent0 + self, "enemies name agent ", enemy, " itself");
-  }
-  if (settings.mode == Mode::kOneVsOne) return;
-  const AgentId mate = TeamMateOf(settings.mode, self);
-  const int expected = mate < 0 ? kDummy : kAgent0 + mate;
-  reader.Require(teammate == expected, "teammate is ", teammate, ", expected ", expected);
+  return fog ? std::max(radius, 1) : 0;
 }
 
 // --- The environment ----------------------------------------------------------------------------
@@ -199,39 +249,33 @@ GameSettings SettingsOf(Mode mode, bool fog, std::string_view game_env) {
   return *settings;
 }
 
-void CheckView(JsonReader& reader, const Observation& observation, const GameSettings& settings) {
-  const BitBoard expected = ~VisibleCells(settings, observation.position);
-  const BitBoard wrong = expected ^ FogOf(observation);
-  reader.Require(wrong.Empty(), "fog is expected exactly on the cells farther than ",
-                 settings.view_radius, " from the agent, which is wrong on ",
-                 wrong.Any() ? CellText(wrong.First()) : "");
-}
-
-ActionRequest ReadObservation(JsonReader& reader, const Json& object) {
-  ActionRequest request{};
-  Observation& observation = request.observation;
+void ReadObservation(Reading& reading) {
+  JsonReader& reader = reading.reader;
+  ActionRequest& request = reading.request;
   const auto mode = static_cast<Mode>(
-      reader.Integer(reader.Member(object, "game_type"), "game_type",
+      reader.Integer(reader.Member(reading.object, "game_type"), "game_type",
                      static_cast<int>(Mode::kFreeForAll), static_cast<int>(Mode::kOneVsOne)));
-  const std::string game_env = reader.Text(reader.Member(object, "game_env"), "game_env");
+  const Json* const found = reading.Find("game_env");
+  const std::string game_env =
+      found != nullptr && found->is_string() ? found->get<std::string>() : "";
   const int size = SettingsOf(mode, /*fog=*/false, game_env).board_size;
-  ReadGrids(reader, object, size, observation);
-  ReadAlive(reader, object, observation);
-  ReadPosition(reader, object, size, observation);
-  ReadStatistics(reader, object, observation);
-  if (mode == Mode::kTeamRadio) ReadMessage(reader, object, observation);
-  request.settings = SettingsOf(mode, FogOf(observation).Any(), game_env);
-  observation.step = static_cast<std::uint16_t>(reader.Integer(
-      reader.Member(object, "step_count"), "step_count", 0, request.settings.max_steps));
-  return request;
+  ReadGrids(reading, size);
+  ReadAlive(reading);
+  ReadPosition(reading, size);
+  ReadStatistics(reading);
+  if (mode == Mode::kTeamRadio) ReadMessage(reading);
+  const int radius = ViewRadius(request.observation);
+  request.settings = SettingsOf(mode, radius > 0, game_env);
+  request.settings.view_radius = radius;
+  ReadStep(reading);
 }
 
-void CheckConsistency(JsonReader& reader, ActionRequest& request) {
-  IdentifySelf(reader, request.observation);
-  CheckView(reader, request.observation, request.settings);
-  CheckAgents(reader, request.observation, request.settings.view_radius > 0);
-  CheckBombs(reader, request.observation);
-  CheckFlames(reader, request.observation);
+void MendObservation(Reading& reading) {
+  Observation& observation = reading.request.observation;
+  IdentifySelf(reading.reader, observation);
+  MendAgents(reading.reader, reading.request.settings.view_radius > 0, observation);
+  MendBombs(reading.reader, observation);
+  MendFlames(observation);
 }
 
 }  // namespace
@@ -250,10 +294,10 @@ Parsed<ActionRequest> ParseActionRequest(std::string_view body) {
   JsonReader reader;
   const Json outer = reader.Parse(body, "the body", kMaxJsonDepth);
   const Json object = Decoded(reader, outer, "obs");
-  ActionRequest request = ReadObservation(reader, object);
-  if (reader.ok()) CheckConsistency(reader, request);
-  if (reader.ok()) CheckSides(reader, object, request.settings, request.observation.self);
-  return Finished(reader, request);
+  Reading reading{.reader = reader, .object = object};
+  if (reader.ok()) ReadObservation(reading);
+  if (reader.ok()) MendObservation(reading);
+  return Finished(reader, std::move(reading.request));
 }
 
 Parsed<int> ParseEpisodeEnd(std::string_view body) {

@@ -18,19 +18,23 @@ void Game::Start(const GamePlan& plan) {
   statistics_ = {};
   watcher_ = {};
   recent_cells_ = {};
-  for (AgentId seat = kAgentCount - 1; seat >= 0; --seat) {
-    const Player& player = plan_.players[seat];
-    if (!setup.seats[seat].searches) {
+  for (AgentId seat = 0; seat < kAgentCount; ++seat) {
+    if (setup.seats[seat].searches) {
+      SeatAgent(seat);
+    } else {
       rule_based_[seat] = RuleBasedSeat(setup, seat);
-      continue;
     }
-    CHECK(player.agent != nullptr && player.model.evaluator != nullptr, "seat ", seat);
-    player.agent->StartGame(setup.settings, seat, SearchRng(setup, seat));
-    record_.weights_version = player.model.weights_version;
-    record_.evaluator = player.model.evaluator->name();
   }
   over_ = false;
   BeginStep();
+}
+
+void Game::SeatAgent(AgentId seat) {
+  const auto& [agent, model, takes_new_weights] = plan_.agents[seat];
+  CHECK(agent != nullptr && model.evaluator != nullptr, "seat ", seat);
+  agent->StartGame(plan_.setup.settings, seat, SearchRng(plan_.setup, seat));
+  record_.tracks[seat].weights_version = model.weights_version;
+  if (record_.evaluator.empty()) record_.evaluator = model.evaluator->name();
 }
 
 bool Game::Gather(EvaluationBatches& batches) {
@@ -44,15 +48,15 @@ bool Game::Gather(EvaluationBatches& batches) {
 void Game::Scatter(EvaluationBatches& batches) {
   for (AgentId seat = 0; seat < kAgentCount; ++seat) {
     if (phases_[seat] != Phase::kAsking) continue;
-    const Player& player = plan_.players[seat];
-    player.agent->Scatter(batches.For(*player.model.evaluator));
+    const SeatedAgent& seated = plan_.agents[seat];
+    seated.agent->Scatter(batches.For(*seated.model.evaluator));
     phases_[seat] = Phase::kThinking;
   }
 }
 
 void Game::SetModel(const Model& model) {
-  for (Player& player : plan_.players) {
-    if (player.agent != nullptr) player.model = model;
+  for (SeatedAgent& seated : plan_.agents) {
+    if (seated.takes_new_weights) seated.model = model;
   }
 }
 
@@ -60,6 +64,7 @@ void Game::SetModel(const Model& model) {
 void Game::BeginStep() {
   for (AgentId seat = 0; seat < kAgentCount; ++seat) {
     actions_[seat] = Action::kStop;
+    words_[seat] = {};
     phases_[seat] = Phase::kDecided;
     if (state_.agents[seat].alive) BeginMove(seat);
   }
@@ -67,7 +72,7 @@ void Game::BeginStep() {
 
 void Game::BeginMove(AgentId seat) {
   if (plan_.setup.seats[seat].searches) {
-    plan_.players[seat].agent->Begin(Observe(plan_.setup.settings, state_, seat));
+    plan_.agents[seat].agent->Begin(Observe(plan_.setup.settings, state_, seat));
     phases_[seat] = Phase::kThinking;
   } else {
     actions_[seat] = rule_based_[seat].Decide(plan_.setup.settings, state_);
@@ -78,8 +83,8 @@ bool Game::GatherMoves(EvaluationBatches& batches) {
   bool asking = false;
   for (AgentId seat = 0; seat < kAgentCount; ++seat) {
     if (phases_[seat] != Phase::kThinking) continue;
-    const Player& player = plan_.players[seat];
-    if (player.agent->Gather(batches.For(*player.model.evaluator))) {
+    const SeatedAgent& seated = plan_.agents[seat];
+    if (seated.agent->Gather(batches.For(*seated.model.evaluator))) {
       phases_[seat] = Phase::kAsking;
       asking = true;
     } else {
@@ -91,7 +96,9 @@ bool Game::GatherMoves(EvaluationBatches& batches) {
 
 void Game::FinishMove(AgentId seat) {
   phases_[seat] = Phase::kDecided;
-  actions_[seat] = plan_.players[seat].agent->action();
+  const Agent& agent = *plan_.agents[seat].agent;
+  actions_[seat] = agent.action();
+  if (plan_.setup.settings.mode == Mode::kTeamRadio) words_[seat] = agent.words();
 }
 
 void Game::PlayStep() {
@@ -105,10 +112,10 @@ void Game::PlayStep() {
   record_.actions.push_back(actions_);
   const GameSettings& settings = plan_.setup.settings;
   const State before = state_;
-  Step(settings, actions_, state_);
+  Step(settings, actions_, words_, state_);
   CountEvents(watcher_.Watch(settings, before, actions_, state_), settings.mode, statistics_);
   record_.outcome = OutcomeOf(settings, state_);
-  over_ = record_.outcome.done || EndsByDeath();
+  over_ = record_.outcome.done || EndsEarly(plan_.setup, state_);
   if (over_) return;
   BeginStep();
   Collapse(settings, state_);
@@ -120,19 +127,21 @@ void Game::RecordMove(AgentId seat) {
   ++statistics.actions[static_cast<std::size_t>(actions_[seat])];
   CountCell(state_.agents[seat].cell, recent_cells_[seat], statistics);
   if (!plan_.setup.seats[seat].searches) return;
-  const Player& player = plan_.players[seat];
-  if (std::optional<Decision> decision = player.agent->decision()) {
-    decision->step = state_.step;
-    decision->agent = static_cast<std::uint8_t>(seat);
-    decision->weights_version = player.model.weights_version;
-    record_.decisions.push_back(*decision);
-  }
-  const MoveStatistics move = player.agent->move_statistics();
+  if (plan_.setup.seats[seat].teaches == Teaches::kSearch) RecordDecision(seat);
+  const MoveStatistics move = plan_.agents[seat].agent->move_statistics();
   if (move.simulations == 0) return;
   ++statistics.searches;
   statistics.simulations += move.simulations;
   statistics.depth_sum += move.mean_depth;
   CountPredictions(move, statistics);
+}
+
+void Game::RecordDecision(AgentId seat) {
+  std::optional<Decision> decision = plan_.agents[seat].agent->decision();
+  if (!decision) return;
+  decision->step = state_.step;
+  decision->weights_version = plan_.agents[seat].model.weights_version;
+  record_.tracks[seat].decisions.push_back(*decision);
 }
 
 void Game::CountPredictions(const MoveStatistics& move, SeatStatistics& statistics) const {
@@ -141,17 +150,6 @@ void Game::CountPredictions(const MoveStatistics& move, SeatStatistics& statisti
     ++statistics.predictions;
     if (move.prediction[seat] == actions_[seat]) ++statistics.predictions_right;
   }
-}
-
-bool Game::EndsByDeath() const {
-  if (plan_.end != GamePlan::End::kLastSearchDeath) return false;
-  bool searched = false;
-  for (AgentId seat = 0; seat < kAgentCount; ++seat) {
-    if (!plan_.setup.seats[seat].searches) continue;
-    if (state_.agents[seat].alive) return false;
-    searched = true;
-  }
-  return searched;
 }
 
 }  // namespace powderkeg

@@ -70,8 +70,10 @@ void GameLoop::FinishGame(int slot) {
   slots_[slot].playing = false;
   ++metrics_.games;
   metrics_.steps += game.record().actions.size();
-  metrics_.decisions += game.record().decisions.size();
+  metrics_.decisions += DecisionCount(game.record());
   for (AgentId seat = 0; seat < kAgentCount; ++seat) {
+    const bool demonstrates = game.plan().setup.seats[seat].teaches == Teaches::kMoves;
+    if (demonstrates) metrics_.decisions += game.statistics(seat).moves;
     metrics_.simulations += game.statistics(seat).simulations;
   }
   host_.GameFinished(slot, game);

@@ -7,7 +7,7 @@
 namespace powderkeg {
 
 void RawNetworkAgent::StartGame(const GameSettings& settings, AgentId /*self*/, Rng /*rng*/) {
-  belief_.emplace(settings, BeliefSettings());
+  belief_.emplace(settings);
   decided_ = true;
 }
 
@@ -32,7 +32,7 @@ void RawNetworkAgent::Scatter(const EvaluationBatch& batch) {
 
 void RuleBasedAgent::StartGame(const GameSettings& settings, AgentId /*self*/, Rng rng) {
   settings_ = settings;
-  belief_.emplace(settings, BeliefSettings());
+  belief_.emplace(settings);
   rng_ = rng;
   traits_ = PolicyTraits::Draw(rng_);
   memory_ = PolicyMemory();

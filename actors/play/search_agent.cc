@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
-#include <utility>
 
 namespace powderkeg {
 namespace {
@@ -14,25 +13,22 @@ constexpr std::uint64_t kFirstMovePurpose = 1;  // + step
 
 }  // namespace
 
-SearchAgent::SearchAgent(const SearchSettings& settings, const BeliefSettings& belief)
-    : settings_(settings), belief_settings_(belief) {}
-
 void SearchAgent::StartGame(const GameSettings& settings, AgentId self, Rng rng) {
   if (!search_ || !(settings == game_)) search_.emplace(settings_, settings);
   game_ = settings;
   rng_ = rng;
-  belief_.emplace(settings, belief_settings_);
+  belief_.emplace(settings);
   models_.StartGame(settings_, settings, self, rng.Split(kModelsPurpose));
   first_move_ = true;
-  mate_.reset();
   result_.reset();
 }
 
 void SearchAgent::Begin(const Observation& observation) {
-  const State before = belief_->state();
+  const Belief before = *belief_;
   belief_->Observe(observation);
-  if (mate_) belief_->HearMate(*std::exchange(mate_, std::nullopt));
-  if (!first_move_) models_.ObserveStep(before, belief_->state());
+  if (!first_move_) {
+    models_.ObserveStep({before.state(), before.visible()}, {belief_->state(), belief_->visible()});
+  }
   first_move_ = false;
   search_->Start(belief_->state(), models_, rng_.Split(kFirstMovePurpose + observation.step));
   result_.reset();
@@ -57,7 +53,6 @@ std::optional<Decision> SearchAgent::decision() const {
   if (!result().searched || !visited) return std::nullopt;
   Decision decision;
   decision.step = belief_->state().step;
-  decision.agent = static_cast<std::uint8_t>(belief_->self());
   if (result().full_search) decision.visits = RecordedVisits(result().target);
   decision.value = result().value;
   return decision;
@@ -69,10 +64,7 @@ MoveStatistics SearchAgent::move_statistics() const {
   statistics.simulations = static_cast<std::uint32_t>(result().simulations);
   statistics.mean_depth = static_cast<float>(result().mean_depth);
   statistics.prediction = result().expected_actions;
-  for (AgentId agent = 0; agent < kAgentCount; ++agent) {
-    if (agent == belief_->self() || !belief_->state().agents[agent].alive) continue;
-    statistics.predicted_agents |= static_cast<std::uint8_t>(1 << agent);
-  }
+  statistics.predicted_agents = result().expected_agents;
   return statistics;
 }
 

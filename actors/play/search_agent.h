@@ -7,7 +7,7 @@
 #include "actors/play/agent.h"
 #include "actors/search/opponent_models.h"
 #include "actors/search/search.h"
-#include "actors/search/search_settings.h"
+#include "common/config/search_settings.h"
 #include "common/pommerman/belief.h"
 
 namespace powderkeg {
@@ -16,14 +16,14 @@ namespace powderkeg {
 // allocated with the first game and kept.
 class SearchAgent final : public Agent {
  public:
-  explicit SearchAgent(const SearchSettings& settings, const BeliefSettings& belief = {});
+  explicit SearchAgent(const SearchSettings& settings) : settings_(settings) {}
 
   void StartGame(const GameSettings& settings, AgentId self, Rng rng) override;
-  void HearMate(Cell cell) override { mate_ = cell; }
   void Begin(const Observation& observation) override;
   bool Gather(EvaluationBatch& batch) override;
   void Scatter(const EvaluationBatch& batch) override;
   [[nodiscard]] Action action() const override;
+  [[nodiscard]] Message words() const override { return belief_->Report(action()); }
   [[nodiscard]] std::optional<Decision> decision() const override;
   [[nodiscard]] MoveStatistics move_statistics() const override;
 
@@ -32,14 +32,12 @@ class SearchAgent final : public Agent {
 
  private:
   SearchSettings settings_;
-  BeliefSettings belief_settings_;
   GameSettings game_;
   Rng rng_;
   std::optional<Belief> belief_;
   OpponentModels models_;
   std::optional<Search> search_;
   bool first_move_ = true;
-  std::optional<Cell> mate_;                    // what was heard and not yet believed
   mutable std::optional<SearchResult> result_;  // of the last move, computed when asked for
 };
 

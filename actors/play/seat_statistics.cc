@@ -13,8 +13,6 @@ void AddEach(const std::array<std::uint32_t, size>& from, std::array<std::uint32
   for (std::size_t i = 0; i < size; ++i) to[i] += from[i];
 }
 
-constexpr bool Has(AgentSet set, AgentId agent) { return (set >> agent & 1) != 0; }
-
 void CountDeath(AgentId victim, AgentSet killers, Mode mode, GameStatistics& statistics) {
   if (killers == 1 << victim) ++statistics[victim].own_deaths;
   for (AgentId killer = 0; killer < kAgentCount; ++killer) {

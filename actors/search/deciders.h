@@ -3,7 +3,7 @@
 // Who decides inside the tree during one environment step: all that one- and two-player search
 // differ in.
 
-#include "actors/search/search_settings.h"
+#include "common/config/search_settings.h"
 #include "common/pommerman/game_settings.h"
 #include "common/pommerman/state.h"
 

@@ -3,13 +3,10 @@
 #include <algorithm>
 
 #include "common/policies/cross.h"
+#include "common/policies/simple_unbiased.h"
 
 namespace powderkeg {
 namespace {
-
-// The order in which the policy's breadth-first search looks at neighbours.
-constexpr std::array<Direction, 4> kSearchOrder = {Direction::kDown, Direction::kUp,
-                                                   Direction::kRight, Direction::kLeft};
 
 BitBoard VisibleAgents(const PolicyView& view) { return view.state.AgentCells() & view.visible; }
 

@@ -13,8 +13,6 @@ namespace {
 
 using Scores = std::array<double, kActionCount>;
 
-bool Has(ActionSet actions, std::size_t action) { return (actions >> action & 1) != 0; }
-
 double LogPrior(const RootStatistics& root, std::size_t action) {
   constexpr double kSmallest = 1e-9;
   return Log(std::max(static_cast<double>(root.priors[action]), kSmallest));

@@ -19,8 +19,8 @@
 #include <array>
 
 #include "actors/search/root_policy.h"
-#include "actors/search/search_settings.h"
 #include "common/base/rng.h"
+#include "common/config/search_settings.h"
 
 namespace powderkeg {
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
-#include "actors/search/search_settings.h"
 #include "common/base/rng.h"
+#include "common/config/search_settings.h"
 #include "common/pommerman/step.h"
 
 namespace powderkeg {

@@ -115,9 +115,9 @@ std::string ReadAll(int file, const std::filesystem::path& path) {
 
 Outbox::Outbox(const std::filesystem::path& folder, std::size_t limit_bytes)
     : path_(folder / "outbox.spool"), run_path_(folder / "run_id"), limit_bytes_(limit_bytes) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
+  CreateFolder(folder);
   file_ = OpenLocked(path_, 0);
+  std::error_code error;
   if (std::filesystem::exists(run_path_, error)) {
     const std::vector<std::uint8_t> run_id = ReadFileBytes(run_path_);
     run_id_.assign(run_id.begin(), run_id.end());

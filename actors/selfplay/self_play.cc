@@ -10,7 +10,6 @@
 #include "common/base/log.h"
 #include "common/base/worker.h"
 #include "common/pommerman/game_settings.h"
-#include "common/record/game_setup.h"
 
 namespace powderkeg {
 namespace {
@@ -101,17 +100,16 @@ void SelfPlay::Play(const std::stop_token& stop, const std::shared_ptr<const Wel
 
 void SelfPlay::RunLoop(const std::stop_token& stop, const Welcome& welcome, std::size_t loop) {
   const SelfPlayConfig& config = welcome.self_play;
-  const GameSettings game_settings = SetupFor(config, /*ticket=*/0).settings;
   TicketHost host(welcome, tickets_, outbox_, [this] { client_.GameAdded(); });
-  GameLoop games(host, game_settings, config.games_in_flight);
+  GameLoop games(host, host.settings(), config.games_in_flight);
   Snapshot weights;
   Clock::time_point reported;
   while (!stop.stop_requested()) {
     const Snapshot newest = client_.weights();
-    if (newest != weights || !host.model().evaluator) {
+    if (newest != weights || !host.newest().evaluator) {
       weights = newest;
-      host.SetModel(ModelFor(config, weights, make_evaluator_));
-      if (config.weights_swap == "at_once") games.SetModel(host.model());
+      host.SetNewest(ModelFor(config, weights, make_evaluator_));
+      games.SetModel(host.newest());
     }
     const bool playing = games.RunRound();
     if (const auto now = Clock::now(); now - reported >= kReport || !playing) {
@@ -120,7 +118,7 @@ void SelfPlay::RunLoop(const std::stop_token& stop, const Welcome& welcome, std:
                             .games_running = games.games_running(),
                             .oldest_ticket = 0,
                             .oldest_start = now,
-                            .weights_version = host.model().weights_version};
+                            .weights_version = host.newest().weights_version};
       host.FillOldest(progress);
       progress_.Set(loop, progress);
     }

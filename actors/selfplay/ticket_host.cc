@@ -2,23 +2,34 @@
 
 #include <utility>
 
-#include "actors/play/search_agent.h"
-#include "common/record/game_setup.h"
 #include "common/wire/codec.h"
 
 namespace powderkeg {
+namespace {
+
+// What the players are in games that teach, then what they are in exams: as strong as they can.
+std::vector<AgentSpec> SpecsOf(const std::vector<Player>& players) {
+  std::vector<AgentSpec> specs;
+  for (const Player& player : players) specs.push_back(player.agent);
+  for (const Player& player : players) {
+    specs.push_back(player.agent);
+    specs.back().search = WithoutExploration(player.agent.search);
+  }
+  return specs;
+}
+
+}  // namespace
 
 TicketHost::TicketHost(const Welcome& welcome, TicketBook& tickets, Outbox& outbox,
                        std::function<void()> game_added)
-    : config_(welcome.self_play),
+    : games_(welcome.self_play),
+      swaps_at_once_(welcome.self_play.weights_swap == WeightsSwap::kAtOnce),
       settings_digest_(welcome.settings_digest),
       tickets_(tickets),
       outbox_(outbox),
       game_added_(std::move(game_added)),
-      slots_(static_cast<std::size_t>(config_.games_in_flight)) {
-  const SearchSettings search = SearchSettingsFrom(config_.search);
-  for (Slot& slot : slots_) slot.agent = std::make_unique<SearchAgent>(search);
-}
+      slots_(static_cast<std::size_t>(welcome.self_play.games_in_flight)),
+      agents_(SpecsOf(games_.players())) {}
 
 TicketHost::~TicketHost() {
   for (const Slot& slot : slots_) {
@@ -33,19 +44,25 @@ std::optional<GamePlan> TicketHost::NextGame(int slot_number) {
   Slot& slot = slots_[static_cast<std::size_t>(slot_number)];
   slot.ticket = ticket;
   slot.start = std::chrono::steady_clock::now();
-  return PlanFor(*ticket, slot);
+  return PlanFor(*ticket, slot_number);
 }
 
-GamePlan TicketHost::PlanFor(std::uint64_t ticket, Slot& slot) const {
-  GamePlan plan;
-  plan.ticket = ticket;
-  plan.setup = SetupFor(config_, ticket);
-  plan.end =
-      config_.record_after_death ? GamePlan::End::kOfficial : GamePlan::End::kLastSearchDeath;
-  for (std::size_t seat = 0; seat < plan.players.size(); ++seat) {
-    if (plan.setup.seats[seat].searches) plan.players[seat] = {slot.agent.get(), model_};
+GamePlan TicketHost::PlanFor(std::uint64_t ticket, int slot) {
+  GamePlan plan{.ticket = ticket, .setup = games_.SetupFor(ticket), .agents = {}};
+  for (AgentId seat = 0; seat < kAgentCount; ++seat) {
+    if (plan.setup.seats[seat].searches) plan.agents[seat] = AgentFor(plan.setup, seat, slot);
   }
   return plan;
+}
+
+SeatedAgent TicketHost::AgentFor(const GameSetup& setup, AgentId seat, int slot) {
+  const std::size_t index = setup.seats[seat].player;
+  const Player& player = games_.players()[index];
+  const bool exam = games_.lineups()[setup.lineup].exam;
+  const bool newest = player.weights == PlayerSpec::Weights::kNewest;
+  return {.agent = agents_.At(slot, seat, exam ? index + games_.players().size() : index),
+          .model = newest ? newest_ : uniform_,
+          .takes_new_weights = newest && swaps_at_once_};
 }
 
 void TicketHost::GameFinished(int slot, Game& game) {

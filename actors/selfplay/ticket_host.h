@@ -9,10 +9,12 @@
 #include <optional>
 #include <vector>
 
+#include "actors/play/agent_pool.h"
 #include "actors/play/game_loop.h"
 #include "actors/selfplay/outbox.h"
 #include "actors/selfplay/progress.h"
 #include "actors/selfplay/ticket_book.h"
+#include "common/record/game_setup.h"
 #include "common/wire/messages.h"
 
 namespace powderkeg {
@@ -28,33 +30,40 @@ class TicketHost final : public GameHost {
   TicketHost(const TicketHost&) = delete;
   TicketHost& operator=(const TicketHost&) = delete;
 
-  // Answers games that start from now on. Required before the first game.
-  void SetModel(const Model& model) { model_ = model; }
-  [[nodiscard]] const Model& model() const { return model_; }
+  // Answers players of the newest weights in games that start from now on. Required before the first
+  // game.
+  void SetNewest(const Model& model) { newest_ = model; }
+  [[nodiscard]] const Model& newest() const { return newest_; }
 
   // No game while no ticket waits or the outbox is full.
   [[nodiscard]] std::optional<GamePlan> NextGame(int slot) override;
   void GameFinished(int slot, Game& game) override;
+
+  // Of every game.
+  [[nodiscard]] const GameSettings& settings() const { return games_.settings(); }
 
   // The lowest ticket in play and the start of its game into `progress`.
   void FillOldest(LoopProgress& progress) const;
 
  private:
   struct Slot {
-    std::unique_ptr<Agent> agent;
     std::optional<std::uint64_t> ticket;  // in play
     std::chrono::steady_clock::time_point start;
   };
 
-  [[nodiscard]] GamePlan PlanFor(std::uint64_t ticket, Slot& slot) const;
+  [[nodiscard]] GamePlan PlanFor(std::uint64_t ticket, int slot);
+  [[nodiscard]] SeatedAgent AgentFor(const GameSetup& setup, AgentId seat, int slot);
 
-  const SelfPlayConfig& config_;
+  const RunGames games_;
+  const bool swaps_at_once_;
   const Sha256Digest& settings_digest_;
   TicketBook& tickets_;
   Outbox& outbox_;
   const std::function<void()> game_added_;
   std::vector<Slot> slots_;
-  Model model_;
+  AgentPool agents_;
+  Model newest_;
+  const Model uniform_{.evaluator = std::make_shared<UniformEvaluator>()};
 };
 
 }  // namespace powderkeg

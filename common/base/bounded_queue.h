@@ -50,8 +50,6 @@ class BoundedQueue {
     room_.notify_one();
     return value;
   }
-  // Does not wait.
-  [[nodiscard]] std::optional<T> TryPop() { return Pop(std::chrono::milliseconds(0)); }
 
   // Wakes everybody; from now on Push is refused. May be called more than once.
   void Close() {

@@ -50,15 +50,4 @@ std::uint32_t Crc32c(std::span<const std::uint8_t> bytes) {
   return ~crc;
 }
 
-std::string Hex(std::span<const std::uint8_t> bytes) {
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string text;
-  text.reserve(2 * bytes.size());
-  for (const std::uint8_t byte : bytes) {
-    text.push_back(kDigits[byte >> 4]);
-    text.push_back(kDigits[byte & 15u]);
-  }
-  return text;
-}
-
 }  // namespace powderkeg

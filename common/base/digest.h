@@ -6,7 +6,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <string_view>
 
 namespace powderkeg {
@@ -18,9 +17,6 @@ using Sha256Digest = std::array<std::uint8_t, 32>;
 
 // CRC-32C (Castagnoli polynomial, as in iSCSI, RFC 3720 B.4).
 [[nodiscard]] std::uint32_t Crc32c(std::span<const std::uint8_t> bytes);
-
-// Lower case hexadecimal digits.
-[[nodiscard]] std::string Hex(std::span<const std::uint8_t> bytes);
 
 // A string's characters as bytes, without a copy.
 [[nodiscard]] inline std::span<const std::uint8_t> BytesOf(std::string_view text) {

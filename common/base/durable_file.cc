@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <mutex>
 #include <string>
 #include <system_error>
 
 #include "common/base/check.h"
+#include "common/base/log.h"
 
 namespace powderkeg {
 namespace {
@@ -54,8 +56,10 @@ class Descriptor {
     }
   }
   void Sync() {
-    if (fsync(fd_) != 0) Fail("flush", path_, errno);
+    if (!TrySync()) Fail("flush", path_, errno);
   }
+  // False: errno says why.
+  [[nodiscard]] bool TrySync() { return fsync(fd_) == 0; }
   void Close() {
     const int fd = fd_;
     fd_ = -1;
@@ -90,13 +94,27 @@ void RemoveFile(const fs::path& path) {
 }
 
 void SyncFolder(const fs::path& folder) {
-  Descriptor(folder.empty() ? fs::path(".") : folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC).Sync();
+  static std::once_flag said;
+  const fs::path path = folder.empty() ? fs::path(".") : folder;
+  Descriptor descriptor(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor.TrySync()) return;
+  const int error = errno;
+  if (error != EINVAL && error != ENOTSUP && error != ENOSYS) Fail("flush", path, error);
+  std::call_once(said, [&] {
+    log::Warn(
+        "this file system flushes no folders: a crash of the machine may undo the newest files",
+        "folder", path.string(), "reason", std::strerror(error));
+  });
 }
 
-void PrepareFolder(const fs::path& folder) {
+void CreateFolder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) Fail("create", folder, error.value());
+}
+
+void PrepareFolder(const fs::path& folder) {
+  CreateFolder(folder);
   for (const fs::path& path : FilesIn(folder)) {
     if (path.extension() == kTemporaryEnding) RemoveFile(path);
   }

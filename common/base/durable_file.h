@@ -22,10 +22,14 @@ void WriteFileDurably(const std::filesystem::path& path, std::span<const std::ui
 // Throws Error if there is no such file or it cannot be removed; SyncFolder makes it durable.
 void RemoveFile(const std::filesystem::path& path);
 
-// Makes the removal or renaming of files in `folder` durable. Throws Error.
+// Makes the removal or renaming of files in `folder` durable. On a file system that cannot do so
+// it says that once in the log and trusts it. Throws Error.
 void SyncFolder(const std::filesystem::path& folder);
 
-// Creates the folder and its parents if missing and deletes temporaries in it. Throws Error.
+// Creates the folder and its parents if missing. Throws Error.
+void CreateFolder(const std::filesystem::path& folder);
+
+// The same, and deletes temporaries in it. Throws Error.
 void PrepareFolder(const std::filesystem::path& folder);
 
 // Everything in `folder`, by name. Throws Error.

@@ -3,7 +3,6 @@
 // Statistics of matches and measurements. Pure functions and small values.
 
 #include <cstdint>
-#include <span>
 
 namespace powderkeg {
 
@@ -56,10 +55,6 @@ struct MatchScore {
   std::uint64_t losses = 0;
 
   [[nodiscard]] std::uint64_t games() const { return wins + ties + losses; }
-  // Points per game: 1 for a win, 1/2 for a tie. Requires games.
-  [[nodiscard]] double score() const;
-  // Of the points of one game (divided by games). Requires games.
-  [[nodiscard]] double variance() const;
 
   MatchScore& operator+=(const MatchScore& other);
   friend bool operator==(const MatchScore&, const MatchScore&) = default;
@@ -68,36 +63,9 @@ struct MatchScore {
 // The Elo difference at which a side is expected to score `score` (0 to 1; infinite at the ends):
 // 400 log10(score / (1 - score)).
 [[nodiscard]] double EloFromScore(double score);
-// The inverse.
-[[nodiscard]] double ScoreFromElo(double elo);
-
 struct EloEstimate {
   double elo = 0;
   Interval interval;  // infinite ends where the interval of the score reaches 0 or 1
 };
-// Of the first side over the second, in a match of two sides. Requires games.
-[[nodiscard]] EloEstimate EloDifference(const MatchScore& match, double quantile = kNormal95);
-
-// Wald's sequential test of elo0 against elo1 with the trinomial log likelihood ratio in its normal
-// approximation, n (s1 - s0) (2 s - s0 - s1) / (2 variance).
-struct SprtSettings {
-  double elo0 = 0;
-  double elo1 = 10;
-  double alpha = 0.05;  // probability to accept elo1 where elo0 is true
-  double beta = 0.05;   // probability to accept elo0 where elo1 is true
-};
-enum class SprtVerdict : std::uint8_t { kContinue, kAcceptElo0, kAcceptElo1 };
-struct SprtResult {
-  double log_likelihood_ratio = 0;  // 0 while all games ended alike
-  Interval bounds;                  // elo0 is accepted at or below, elo1 at or above
-  SprtVerdict verdict = SprtVerdict::kContinue;
-};
-[[nodiscard]] SprtResult Sprt(const MatchScore& match, const SprtSettings& settings);
-
-// Pearson's statistic of counts against expected counts (> 0) of the same number of classes.
-[[nodiscard]] double ChiSquared(std::span<const double> observed, std::span<const double> expected);
-// The probability that a chi-squared variable with `degrees` (> 0) degrees of freedom is at least
-// `statistic`: the regularised upper incomplete gamma function Q(degrees / 2, statistic / 2).
-[[nodiscard]] double ChiSquaredTail(double statistic, int degrees);
 
 }  // namespace powderkeg

@@ -1,159 +1,164 @@
 #include "common/config/config.h"
 
-#include <google/protobuf/descriptor.h>
-#include <google/protobuf/io/tokenizer.h>
-#include <google/protobuf/text_format.h>
-
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <fstream>
 #include <iterator>
-#include <sstream>
 
 #include "common/base/check.h"
-#include "common/config/config_proto.h"
 
 namespace powderkeg {
 namespace {
 
-using google::protobuf::FieldDescriptor;
-using google::protobuf::Message;
-using google::protobuf::TextFormat;
+constexpr std::array<std::string_view, 2> kRunSections = {"self_play", "training"};
+constexpr std::array<std::string_view, 3> kSelfPlaySections = {"search", "player", "lineup"};
+constexpr std::array<std::string_view, 2> kGeneratorNames = {"official", "uniform"};
+constexpr std::array<std::string_view, 2> kCornersNames = {"official", "permuted"};
+constexpr std::array<std::string_view, 2> kSwapNames = {"at_game_start", "at_once"};
 
-// Keeps the first fault with its line and column (from 1).
-class FirstFault : public google::protobuf::io::ErrorCollector {
- public:
-  explicit FirstFault(std::string place) : place_(std::move(place)) {}
-  void AddError(int line, google::protobuf::io::ColumnNumber column,
-                const std::string& message) override {
-    if (text_.empty()) text_ = StrCat(place_, ":", line + 1, ":", column + 1, ": ", message);
-  }
-  [[nodiscard]] const std::string& text() const { return text_; }
-
- private:
-  std::string place_;
-  std::string text_;
-};
-
-void Merge(const std::string& text, const std::string& place, proto::Config& message) {
-  FirstFault fault(place);
-  TextFormat::Parser parser;
-  parser.RecordErrorsTo(&fault);
-  if (!parser.ParseFromString(text, &message)) throw Error(fault.text());
-}
-
-[[noreturn]] void RefuseChange(const std::string& change, const std::string& why) {
-  throw Error(StrCat("--set ", change, ": ", why));
-}
-
-void SetValue(const std::string& change, const std::string& value, const FieldDescriptor& field,
-              Message& message) {
-  const auto& reflection = *message.GetReflection();
-  if (field.is_repeated()) {
-    reflection.ClearField(&message, &field);
-    std::istringstream values(value);
-    for (std::string one; std::getline(values, one, ',');) {
-      reflection.AddString(&message, &field, one);
-    }
-  } else if (field.cpp_type() == FieldDescriptor::CPPTYPE_STRING) {
-    reflection.SetString(&message, &field, value);
-  } else if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
-    RefuseChange(change, StrCat("\"", field.name(), "\" is a section, not a setting"));
-  } else {
-    FirstFault fault("value");
-    TextFormat::Parser parser;
-    parser.RecordErrorsTo(&fault);
-    if (!parser.ParseFieldValueFromString(value, &field, &message)) {
-      RefuseChange(change, StrCat("\"", value, "\" is not of type ", field.cpp_type_name()));
+void ReadSelfPlay(std::span<const TextField> fields, SelfPlayConfig& config) {
+  ReadOptions(fields, "self_play.", SelfPlayOptions(), config, kSelfPlaySections);
+  if (!config.opponents.empty()) config.lineups.clear();  // they are short for line-ups
+  for (const TextField& field : fields) {
+    if (field.name == "search") {
+      ReadOptions(field.fields, "self_play.search.", SearchOptions(), config.search);
+    } else if (field.name == "player") {
+      ReadOptions(field.fields, "self_play.player.", PlayerOptions(),
+                  config.players.emplace_back());
+    } else if (field.name == "lineup") {
+      ReadOptions(field.fields, "self_play.lineup.", LineupOptions(),
+                  config.lineups.emplace_back());
     }
   }
 }
 
-// Applies "section.section.setting=value".
-void Apply(const std::string& change, proto::Config& config) {
+void ReadRun(std::span<const TextField> fields, RunConfig& config) {
+  CheckNames(fields, "", {}, kRunSections);
+  for (const TextField& field : fields) {
+    if (field.name == "self_play") {
+      ReadSelfPlay(field.fields, config.self_play);
+    } else {
+      ReadOptions(field.fields, "training.", TrainingOptions(), config.training);
+    }
+  }
+}
+
+// "section.section.setting=value" as the fields of a file would be.
+TextField FieldOf(const std::string& change) {
   const std::size_t equals = change.find('=');
-  if (equals == std::string::npos) RefuseChange(change, "expected path=value");
-  std::istringstream path(change.substr(0, equals));
-  Message* message = &config;
-  const FieldDescriptor* field = nullptr;
-  for (std::string name; std::getline(path, name, '.');) {
-    if (field != nullptr) {
-      if (field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) {
-        RefuseChange(change, StrCat("\"", field->name(), "\" has no settings in it"));
-      }
-      message = message->GetReflection()->MutableMessage(message, field);
-    }
-    field = message->GetDescriptor()->FindFieldByName(name);
-    if (field == nullptr) RefuseChange(change, StrCat("there is no setting \"", name, "\""));
+  const std::string place = StrCat("--set ", change, ": ");
+  if (equals == std::string::npos || equals == 0) throw Error(place + "expected path=value");
+  TextField field{.name = {},
+                  .value = change.substr(equals + 1),
+                  .fields = {},
+                  .is_section = false,
+                  .place = place};
+  std::string path = change.substr(0, equals);
+  for (std::size_t dot = path.rfind('.'); dot != std::string::npos; dot = path.rfind('.')) {
+    field.name = path.substr(dot + 1);
+    field = {.name = {}, .value = {}, .fields = {field}, .is_section = true, .place = place};
+    path.resize(dot);
   }
-  if (field == nullptr) RefuseChange(change, "expected path=value");
-  SetValue(change, change.substr(equals + 1), *field, *message);
+  field.name = path;
+  return field;
 }
 
-std::string Print(const Message& message) {
-  std::string text;
-  CHECK(TextFormat::PrintToString(message, &text));
+std::string SectionText(std::string_view name, const std::string& fields, std::string_view indent) {
+  return StrCat(indent, name, " {\n", fields, indent, "}\n");
+}
+
+std::string SelfPlayText(const SelfPlayConfig& config, const std::string& indent) {
+  const std::string deeper = indent + "  ";
+  std::string text =
+      WriteOptions(SelfPlayOptions(), config, indent) +
+      SectionText("search", WriteOptions(SearchOptions(), config.search, deeper), indent);
+  for (const PlayerSpec& player : config.players) {
+    text += SectionText("player", WriteOptions(PlayerOptions(), player, deeper), indent);
+  }
+  for (const LineupSpec& lineup : config.lineups) {
+    text += SectionText("lineup", WriteOptions(LineupOptions(), lineup, deeper), indent);
+  }
   return text;
-}
-
-// The option of the search, a value from -1 to +1; nullopt if it is not set. Throws Error.
-std::optional<double> ValueInSearch(const Options& search, const std::string& name) {
-  const auto option = std::ranges::find(search, name, &Options::value_type::first);
-  if (option == search.end()) return std::nullopt;
-  const std::string& text = option->second;
-  double value = 2;
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || rest != text.data() + text.size() || !(std::abs(value) <= 1)) {
-    throw Error(
-        StrCat("self_play.search.", name, " is ", text, "; expected a number from -1 to 1"));
-  }
-  return value;
 }
 
 }  // namespace
 
-RunConfig ParseConfig(const std::string& text, const std::string& place,
+Names NamesOf(WeightsSwap) { return kSwapNames; }
+Names NamesOf(BoardGenerator) { return kGeneratorNames; }
+Names NamesOf(StartCorners) { return kCornersNames; }
+
+OptionTable<SelfPlayConfig> SelfPlayOptions() {
+  static const std::vector<Option<SelfPlayConfig>> table = {
+#define OPTION(type, name, initial, allowed, help) \
+  OptionOf<&SelfPlayConfig::name>(#name, allowed, help),
+#include "common/config/self_play_options.inc"
+  };
+  return table;
+}
+
+OptionTable<TrainingConfig> TrainingOptions() {
+  static const std::vector<Option<TrainingConfig>> table = {
+#define OPTION(type, name, initial, allowed, help) \
+  OptionOf<&TrainingConfig::name>(#name, allowed, help),
+#include "common/config/training_options.inc"
+  };
+  return table;
+}
+
+RunConfig ParseConfig(std::string_view text, const std::string& place,
                       std::span<const std::string> changes) {
-  proto::Config message;
-  Merge(text, place, message);
-  for (const std::string& change : changes) Apply(change, message);
   RunConfig config;
-  if (const auto fault = FromProto(message, config)) throw Error(StrCat(place, ": ", *fault));
+  ReadRun(ParseFields(text, place), config);
+  for (const std::string& change : changes) {
+    const TextField field = FieldOf(change);
+    ReadRun({&field, 1}, config);
+  }
+  FillPlayers(config.self_play);
+  (void)ResolvePlayers(config.self_play);
   return config;
 }
 
 RunConfig LoadConfig(const std::string& path, std::span<const std::string> changes) {
   if (path.empty()) return ParseConfig("", "settings", changes);
   std::ifstream file(path);
-  std::string text(std::istreambuf_iterator<char>(file), {});
+  const std::string text(std::istreambuf_iterator<char>(file), {});
   if (!file) throw Error(StrCat("cannot read settings \"", path, "\"; expected a text file"));
   return ParseConfig(text, path, changes);
 }
 
-std::string ToText(const RunConfig& config) {
-  proto::Config message;
-  ToProto(config, message);
-  return Print(message);
+SelfPlayConfig ParseSelfPlay(std::string_view text) {
+  SelfPlayConfig config;
+  ReadSelfPlay(ParseFields(text, "self_play"), config);
+  (void)ResolvePlayers(config);
+  return config;
 }
 
-std::string ToText(const SelfPlayConfig& config) {
-  proto::SelfPlay message;
-  ToProto(config, message);
-  return Print(message);
+std::string ToText(const RunConfig& config) {
+  return SectionText("self_play", SelfPlayText(config.self_play, "  "), "") +
+         SectionText("training", WriteOptions(TrainingOptions(), config.training, "  "), "");
 }
+
+std::string ToText(const SelfPlayConfig& config) { return SelfPlayText(config, ""); }
 
 void TieOutcomesToSearch(RunConfig& config) {
-  const auto tie = [&](const std::string& name, std::optional<double>& value) {
-    if (!value) value = ValueInSearch(config.self_play.search, name);
-  };
-  tie("draw_value", config.training.draw_value);
-  tie("late_win_value", config.training.late_win_value);
+  TrainingConfig& training = config.training;
+  const SearchSettings& search = config.self_play.search;
+  training.draw_value = training.draw_value.value_or(search.draw_value);
+  training.late_win_value = training.late_win_value.value_or(search.late_win_value);
 }
 
 Sha256Digest SettingsDigest(const SelfPlayConfig& config) {
   const std::string text = ToText(config);
   return Sha256(BytesOf(text));
+}
+
+std::string SettingsHelp() {
+  return StrCat("Settings of a run, in the file of --config or as --set NAME=VALUE\n\n",
+                DescribeOptions(SelfPlayOptions(), "self_play."),
+                DescribeOptions(SearchOptions(), "self_play.search."),
+                "\nself_play { player { ... } lineup { ... } }: who plays, any number of each\n\n",
+                DescribeOptions(PlayerOptions(), "player."),
+                DescribeOptions(LineupOptions(), "lineup."), "\n",
+                DescribeOptions(TrainingOptions(), "training."));
 }
 
 }  // namespace powderkeg

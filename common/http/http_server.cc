@@ -1,5 +1,6 @@
 #include "common/http/http_server.h"
 
+#include <arpa/inet.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -18,8 +19,10 @@
 #include "common/base/bounded_queue.h"
 #include "common/base/check.h"
 #include "common/base/log.h"
+#include "common/base/unique.h"
 #include "common/base/worker.h"
 #include "common/http/socket_stream.h"
+#include "common/http/waiting_room.h"
 
 namespace powderkeg {
 namespace {
@@ -27,33 +30,44 @@ namespace {
 constexpr int kBacklog = 1024;
 
 // A fixed number of threads that take connections from a queue of limited length; where it is full,
-// the caller (who accepts connections) waits.
-class ConnectionPool final : public httplib::TaskQueue {
+// the caller waits.
+class ConnectionPool {
  public:
-  ConnectionPool(int threads, std::size_t max_waiting) : waiting_(max_waiting) {
-    for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Serve(); });
-  }
+  using Serve = std::function<void(int socket)>;
 
-  void enqueue(std::function<void()> connection) override {
-    while (waiting_.Push(std::move(connection), kPatience) == QueueResult::kTimedOut) {
-    }
+  ConnectionPool(int threads, std::size_t max_waiting, Serve serve)
+      : serve_(std::move(serve)), waiting_(max_waiting) {
+    for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Run(); });
   }
-  void shutdown() override {
-    waiting_.Close();
-    threads_.clear();  // joins
+  // Serves those that wait.
+  ~ConnectionPool() { waiting_.Close(); }
+  ConnectionPool(const ConnectionPool&) = delete;
+  ConnectionPool& operator=(const ConnectionPool&) = delete;
+
+  void Add(int socket) {
+    while (waiting_.Push(std::move(socket), kPatience) == QueueResult::kTimedOut) {
+    }
   }
 
  private:
   static constexpr std::chrono::milliseconds kPatience{1000};
 
-  void Serve() {
+  void Run() {
     while (!waiting_.drained()) {
-      if (const auto connection = waiting_.Pop(kPatience)) (*connection)();
+      if (const auto socket = waiting_.Pop(kPatience)) serve_(*socket);
     }
   }
 
-  BoundedQueue<std::function<void()>> waiting_;
+  Serve serve_;
+  BoundedQueue<int> waiting_;
   std::vector<std::jthread> threads_;
+};
+
+// What the library does with a new connection: nothing that takes time.
+class AtOnce final : public httplib::TaskQueue {
+ public:
+  void enqueue(std::function<void()> connection) override { connection(); }
+  void shutdown() override {}
 };
 
 using Clock = std::chrono::steady_clock;
@@ -70,6 +84,37 @@ void SetArrival(Clock::time_point arrival, httplib::Request& request) {
 Clock::time_point ArrivalOf(const httplib::Request& request) {
   const std::string ticks = request.get_header_value(kArrival);
   return Clock::time_point(Clock::duration(std::stoll(ticks)));
+}
+
+// A proxy's form of a target, "http://127.0.0.1/ping", says no more than its path.
+void StripAuthority(std::string& path) {
+  constexpr std::string_view kScheme = "http://";
+  if (path.starts_with(kScheme))
+    path.erase(0, std::min(path.find('/', kScheme.size()), path.size()));
+}
+
+// "::1" of "[::1]".
+std::string_view WithoutBrackets(std::string_view host) {
+  const bool brackets = host.starts_with('[') && host.ends_with(']');
+  return brackets ? host.substr(1, host.size() - 2) : host;
+}
+
+// The host of "HOST" or "HOST:PORT".
+std::string HostOf(std::string_view authority) {
+  const std::size_t colon = authority.rfind(':');
+  const bool port =
+      colon != std::string_view::npos && authority.find(']', colon) == std::string_view::npos;
+  return std::string(WithoutBrackets(port ? authority.substr(0, colon) : authority));
+}
+
+// Whether a stranger can have given this machine the name, so that a page of theirs reaches servers
+// on it (DNS rebinding). Names without a dot are of the local network.
+bool IsForeign(const std::string& host, const std::string& own_name) {
+  in6_addr number{};
+  if (inet_pton(AF_INET, host.c_str(), &number) == 1) return false;
+  if (inet_pton(AF_INET6, host.c_str(), &number) == 1) return false;
+  const bool dot = host.find('.') != std::string::npos;
+  return dot && host != own_name && !host.starts_with(HostName() + ".");
 }
 
 HttpRequest AsRequest(const httplib::Request& request, std::string body) {
@@ -110,7 +155,17 @@ void ReportException(const httplib::Request&, httplib::Response& response,
 class HttpServer::Listener final : public httplib::Server {
  public:
   Listener(std::vector<HttpRoute> routes, const HttpServerSettings& settings)
-      : routes_(std::move(routes)), settings_(settings), address_(settings.address), started_(1) {
+      : routes_(std::move(routes)),
+        settings_(settings),
+        address_(settings.address),
+        started_(1),
+        pool_(std::in_place, settings.threads, settings.max_waiting,
+              [this](int socket) { Serve(socket); }) {
+    address_.host = WithoutBrackets(settings.address.host);
+    room_.emplace(WaitingRoomSettings{.max_connections = settings.max_waiting,
+                                      .max_bytes = MaxBytes(),
+                                      .timeout = settings.io_timeout},
+                  [this](int socket) { pool_->Add(socket); });
     AddRoutes();
     set_tcp_nodelay(true);
     set_payload_max_length(settings.max_request_bytes);
@@ -121,7 +176,7 @@ class HttpServer::Listener final : public httplib::Server {
     });
     new_task_queue = [this] {
       started_.count_down();
-      return new ConnectionPool(settings_.threads, settings_.max_waiting);
+      return new AtOnce;
     };
     if (!Bind()) {
       throw Error(StrCat("cannot listen on ", address_.host, ":", settings.address.port,
@@ -134,6 +189,8 @@ class HttpServer::Listener final : public httplib::Server {
   ~Listener() override {
     stop();
     worker_->Join();
+    room_->Close();
+    pool_.reset();
   }
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
@@ -143,7 +200,8 @@ class HttpServer::Listener final : public httplib::Server {
  private:
   // Whether it could.
   [[nodiscard]] bool Bind() {
-    const auto& [host, port] = settings_.address;
+    const std::string& host = address_.host;
+    const int port = settings_.address.port;
     if (port != 0 && bind_to_port(host, port)) return true;
     if (port != 0 && !settings_.any_port_if_taken) return false;
     address_.port = bind_to_any_port(host);
@@ -179,9 +237,31 @@ class HttpServer::Listener final : public httplib::Server {
       SetError(404, "no such route, known are " + KnownPaths(), response);
       return HandlerResponse::Handled;
     }
-    if (request.method == route->method) return HandlerResponse::Unhandled;
-    response.set_header("Allow", route->method);
-    SetError(405, "expected the method " + route->method, response);
+    if (request.method != route->method) {
+      response.set_header("Allow", route->method);
+      SetError(405, "expected the method " + route->method, response);
+      return HandlerResponse::Handled;
+    }
+    return CheckOrigin(request, response);
+  }
+
+  // Refuses what pages of others make a browser send.
+  HandlerResponse CheckOrigin(const httplib::Request& request, httplib::Response& response) const {
+    const std::string host = request.get_header_value("Host");
+    const std::string origin = request.get_header_value("Origin");
+    const std::string type = request.get_header_value("Content-Type");
+    if (IsForeign(HostOf(host), address_.host)) {
+      SetError(403, "the header Host is " + host + ", expected this machine's name or address",
+               response);
+    } else if (request.method == "POST" && !origin.empty() && origin != "http://" + host) {
+      SetError(403, "the header Origin is " + origin + ", expected none or http://" + host,
+               response);
+    } else if (request.method == "POST" && !type.starts_with("application/json")) {
+      SetError(415, "the header Content-Type is \"" + type + "\", expected application/json",
+               response);
+    } else {
+      return HandlerResponse::Unhandled;
+    }
     return HandlerResponse::Handled;
   }
 
@@ -193,9 +273,6 @@ class HttpServer::Listener final : public httplib::Server {
 
   void AnswerPost(const HttpRoute& route, const httplib::Request& request,
                   const httplib::ContentReader& reader, httplib::Response& response) const {
-    if (request.is_multipart_form_data()) {
-      return SetError(415, "expected a body that is no form", response);
-    }
     std::string body;
     if (!ReadBody(reader, body)) {
       return SetError(413, "the body is incomplete or too long", response);
@@ -213,20 +290,36 @@ class HttpServer::Listener final : public httplib::Server {
   }
 
   bool process_and_close_socket(socket_t socket) override {
-    SocketStream stream(socket, {.max_bytes = settings_.max_request_bytes + kHeaderBytes,
-                                 .timeout = settings_.io_timeout});
-    bool closed = false;
-    return process_request(
-        stream, /*close_connection=*/true, closed,
-        [&stream](httplib::Request& request) { SetArrival(stream.last_arrival(), request); });
+    room_->Admit(socket);
+    return true;
   }
 
-  static constexpr std::size_t kHeaderBytes = 16 << 10;
+  // On a thread of the pool.
+  void Serve(int socket) {
+    {
+      SocketStream stream(socket, {.max_bytes = MaxBytes(), .timeout = settings_.io_timeout});
+      bool closed = false;
+      process_request(stream, /*close_connection=*/true, closed,
+                      [&stream](httplib::Request& request) {
+                        SetArrival(stream.last_arrival(), request);
+                        StripAuthority(request.path);
+                        request.ranges.clear();  // a few bytes would ask for answers without end
+                      });
+    }
+    room_->Dismiss(socket);
+  }
+
+  [[nodiscard]] std::size_t MaxBytes() const {
+    constexpr std::size_t kHeaderBytes = 16 << 10;
+    return settings_.max_request_bytes + kHeaderBytes;
+  }
 
   const std::vector<HttpRoute> routes_;
   const HttpServerSettings settings_;
   HttpAddress address_;
   std::latch started_;
+  std::optional<WaitingRoom> room_;  // hands connections to the pool, and gets them back
+  std::optional<ConnectionPool> pool_;
   std::optional<Worker> worker_;
 };
 
@@ -239,9 +332,8 @@ std::optional<HttpAddress> ParseHttpAddress(std::string_view text) {
   constexpr int kHighestPort = 65535;
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos) return std::nullopt;
-  std::string_view host = text.substr(0, colon);
+  const std::string_view host = WithoutBrackets(text.substr(0, colon));
   const std::string_view digits = text.substr(colon + 1);
-  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
   int port = -1;
   const auto [end, error] = std::from_chars(digits.begin(), digits.end(), port);
   const bool number = error == std::errc() && end == digits.end();

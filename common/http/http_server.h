@@ -52,16 +52,19 @@ struct HttpAddress {
 
 struct HttpServerSettings {
   HttpAddress address{};
-  bool any_port_if_taken = false;            // where it cannot listen on that port
-  int threads = 64;                          // connections served at once; more wait their turn
-  std::size_t max_waiting = 4096;            // then new ones wait in the kernel
+  bool any_port_if_taken = false;  // where it cannot listen on that port
+  int threads = 64;                // requests served at once; more wait their turn
+  // Connections whose request is on its way; beyond, those that have waited longest are closed.
+  std::size_t max_waiting = 4096;
   std::size_t max_request_bytes = 64 << 10;  // of a body, packed and unpacked
   // For a whole request to arrive, and for its answer to leave.
   std::chrono::milliseconds io_timeout{2000};
 };
 
-// Serves from construction to destruction, HTTP/1.1, one request a connection. What fits no route
-// or is not understood gets a 4xx status and an HttpError. Thread-safe.
+// Serves from construction to destruction, HTTP/1.1, one request a connection. No thread waits for
+// a request. What fits no route, is not understood, or comes from a page of another server in
+// somebody's browser (by the headers Host, Origin, and Content-Type, which must be
+// application/json) gets a 4xx status and an HttpError. Thread-safe.
 class HttpServer {
  public:
   // Throws Error if it cannot listen.

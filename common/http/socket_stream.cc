@@ -3,7 +3,6 @@
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -16,14 +15,6 @@ SocketStream::SocketStream(socket_t socket, const ConnectionLimits& limits)
       limits_(limits),
       read_deadline_(Clock::now() + limits.timeout),
       bytes_left_(limits.max_bytes) {}
-
-SocketStream::~SocketStream() {
-  ::shutdown(socket_, SHUT_WR);
-  bytes_left_ = std::max(bytes_left_, limits_.max_bytes);
-  while (Fill()) {
-  }
-  ::close(socket_);
-}
 
 bool SocketStream::is_readable() const { return begin_ < end_ || Wait(POLLIN, read_deadline_); }
 

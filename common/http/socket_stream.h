@@ -18,14 +18,12 @@ struct ConnectionLimits {
 };
 
 // The stream that httplib parses a request from and writes its answer to. Both fail after the
-// limits, so that endless headers, endless bodies and one byte a second all end. Closes the socket.
-// One thread.
+// limits, so that endless headers, endless bodies and one byte a second all end. The socket is
+// whoever's made it. One thread.
 class SocketStream final : public httplib::Stream {
  public:
   SocketStream(socket_t socket, const ConnectionLimits& limits);
-  // Lets the peer read the answer before the connection goes: ends the writing side, then discards
-  // what the peer still sends, within the limits.
-  ~SocketStream() override;
+  ~SocketStream() override = default;
   SocketStream(const SocketStream&) = delete;
   SocketStream& operator=(const SocketStream&) = delete;
 

@@ -70,11 +70,6 @@ EvaluationCache::EvaluationCache(std::unique_ptr<Evaluator> evaluator, std::size
 
 std::string EvaluationCache::name() const { return "cached " + evaluator_->name(); }
 
-void EvaluationCache::Replace(std::unique_ptr<Evaluator> evaluator) {
-  evaluator_ = std::move(evaluator);
-  Clear();
-}
-
 void EvaluationCache::Clear() { cleared_at_ = clock_; }
 
 void EvaluationCache::Evaluate(const GameSettings& settings, std::span<const Position> positions,

@@ -38,8 +38,7 @@ class EvaluationCache final : public Evaluator {
   // "cached onednn bf16"
   [[nodiscard]] std::string name() const override;
 
-  // Takes another evaluator, as after new weights, and forgets all answers.
-  void Replace(std::unique_ptr<Evaluator> evaluator);
+  // Forgets all answers.
   void Clear();
 
   // Positions answered from memory (or with another of their batch) and by the evaluator since the

@@ -26,7 +26,6 @@ enum Plane : int {
   kStep = 22,
 };
 
-constexpr int kFreshBombLife = 9;
 constexpr int kFullReach = 11;
 constexpr int kManyBombs = 5;
 constexpr int kFlameSteps = 3;

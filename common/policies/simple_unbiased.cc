@@ -15,10 +15,6 @@ constexpr int kRememberedCount = 4;
 constexpr int kApproachDistance = 14;  // Manhattan, of enemies worth approaching
 constexpr int kItemDistance = 5;       // rows and columns, of items worth collecting
 
-// The order in which the breadth-first search looks at neighbours.
-constexpr std::array<Direction, 4> kSearchOrder = {Direction::kDown, Direction::kUp,
-                                                   Direction::kRight, Direction::kLeft};
-
 constexpr std::uint32_t kRowBits = (1u << kBoardSize) - 1;
 
 // Bits of the columns first..last, clipped to the board; 0 if there is none.

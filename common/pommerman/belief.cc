@@ -1,6 +1,7 @@
 #include "common/pommerman/belief.h"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 
 #include "common/pommerman/step.h"
@@ -8,8 +9,6 @@
 namespace powderkeg {
 namespace {
 
-constexpr int kFreshBombLife = 9;
-constexpr int kAmmoCap = 10;
 // The furthest a bomb gets in one step: a deflected one, diagonally.
 constexpr int kBombStride = 2;
 
@@ -269,7 +268,7 @@ AgentId BombMatch::LikelyOwner(const Bomb& seen) const {
 void BombMatch::ChangeAmmo(AgentId id, int change) {
   if (id == self_) return;
   std::uint8_t& ammo = state_.agents[id].ammo;
-  ammo = static_cast<std::uint8_t>(std::clamp(ammo + change, 0, kAmmoCap));
+  ammo = static_cast<std::uint8_t>(std::clamp(ammo + change, 0, kMaxAmmo));
 }
 
 // A bomb predicted in view but not seen there has exploded.
@@ -338,31 +337,7 @@ void PlaceAtStart(const GameSettings& settings, const Observation& observation, 
   }
 }
 
-void AssumeTheWorst(const GameSettings& settings, AgentId self, State& state) {
-  for (AgentId id = 0; id < kAgentCount; ++id) {
-    if (id == self) continue;
-    AgentState& agent = state.agents[id];
-    agent.ammo = kAmmoCap;
-    agent.blast_strength = static_cast<std::uint8_t>(settings.blast_strength_cap);
-    agent.can_kick = true;
-  }
-}
-
-// Cells and bombs out of sight are forgotten; agents are on their start corners again.
-void Forget(const GameSettings& settings, const Observation& observation, BitBoard visible,
-            State& state) {
-  state.rigid &= visible;
-  state.wood &= visible;
-  state.RemoveItems(~visible);
-  for (BitBoard& flames : state.flames) flames &= visible;
-  state.RemoveBombs(~visible);
-  PlaceAtStart(settings, observation, state);
-}
-
 }  // namespace
-
-Belief::Belief(const GameSettings& settings, const BeliefSettings& belief_settings)
-    : settings_(settings), belief_settings_(belief_settings) {}
 
 void Belief::Observe(const Observation& observation) {
   const Sight sight(observation);
@@ -374,32 +349,32 @@ void Belief::Observe(const Observation& observation) {
     state_ = Predict(settings_, sight, before);
   }
   state_.step = observation.step;
-  if (!belief_settings_.remember_cells) {
-    Forget(settings_, observation, sight.visible, state_);
-  }
   SeeAgents(observation, sight, state_);
   SeeCells(sight, state_);
   SeeFlames(sight, state_);
   BombMatch(sight, self_, before, state_).Run();
   HideAgents(sight, state_);
-  if (IsTeamMode(settings_.mode)) {
-    state_.messages[TeamMateOf(settings_.mode, self_)] = observation.message;
-  }
-  if (belief_settings_.statistics == BeliefSettings::Statistics::kWorstCase) {
-    AssumeTheWorst(settings_, self_, state_);
-  }
   Collapse(settings_, state_);
   state_.agents[self_].alive = observation.alive[self_];
   visible_ = sight.visible;
   ever_seen_ |= visible_;
+  if (settings_.mode == Mode::kTeamRadio) Listen(observation);
 }
 
-void Belief::HearMate(Cell cell) {
-  if (!IsTeamMode(settings_.mode)) return;
+void Belief::Listen(const Observation& observation) {
   AgentState& mate = state_.agents[TeamMateOf(settings_.mode, self_)];
-  if (!mate.alive || visible_.Has(mate.cell)) return;
-  const BitBoard places = HidingPlaces(state_, visible_) | BitBoard::Of(mate.cell);
-  mate.cell = static_cast<std::uint8_t>(Nearest(places, cell));
+  mate_.Hear(observation.step, observation.message);
+  if (!mate.alive) return;
+  if (visible_.Has(mate.cell)) {
+    mate_.See(observation.step, mate.cell);
+  } else if (const std::optional<Cell> cell = mate_.cell()) {
+    const BitBoard places = HidingPlaces(state_, visible_) | BitBoard::Of(mate.cell);
+    mate.cell = static_cast<std::uint8_t>(Nearest(places, *cell));
+  }
+}
+
+Message Belief::Report(Action action) const {
+  return EncodeReport(state_.step, state_.agents[self_].cell, action);
 }
 
 }  // namespace powderkeg

@@ -1,13 +1,23 @@
 #pragma once
 
-// Positions as text, for tests, error messages and people.
+// Positions as text, for error messages, people and tests (which read them back).
 
+#include <array>
 #include <string>
 #include <string_view>
 
 #include "common/pommerman/state.h"
 
 namespace powderkeg {
+
+namespace board_text {
+// What the board shows, by CellValue from kPassage to kAgent0 + 3. Fog and the dummy never occur.
+inline constexpr std::string_view kCellCharacters = ".#+o*?brk?0123";
+// By Item.
+inline constexpr std::string_view kItemCharacters = "?brk";
+inline constexpr std::array<std::string_view, 5> kDirectionNames = {"none", "up", "down", "left",
+                                                                    "right"};
+}  // namespace board_text
 
 // 11 lines of 11 characters as the board shows: '.' passage, '#' rigid, '+' wood, 'o' bomb,
 // '*' flame, 'b' 'r' 'k' extra bomb, increase range, kick; '0'..'3' agents. What the board cannot
@@ -19,11 +29,5 @@ namespace powderkeg {
 //   flame (1,1) life 2
 //   hidden (2,2) r
 [[nodiscard]] std::string ToText(const State& state);
-
-// The inverse. Bombs lie in the order of their lines. Attribute lines are optional: agents on the
-// board live with ammo 1, strength 2, no kick, agents not on it are dead; a bomb without a line is
-// agent 0's, life 9, strength 2; a flame without one has life 2. Blanks around lines and blank
-// lines are ignored. Throws Error on malformed text.
-[[nodiscard]] State FromText(std::string_view text);
 
 }  // namespace powderkeg

@@ -35,6 +35,10 @@ struct GameSettings {
 [[nodiscard]] constexpr bool IsTeamMode(Mode mode) {
   return mode == Mode::kTeam || mode == Mode::kTeamRadio;
 }
+// Agents play as 0, 1, ... up to this one; the others are dead from the start.
+[[nodiscard]] constexpr int SeatCount(Mode mode) {
+  return mode == Mode::kOneVsOne ? 2 : kAgentCount;
+}
 // The agent on the same side, or -1 without teams.
 [[nodiscard]] constexpr AgentId TeamMateOf(Mode mode, AgentId agent) {
   return IsTeamMode(mode) ? (agent + 2) % kAgentCount : -1;

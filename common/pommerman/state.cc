@@ -40,10 +40,6 @@ BitBoard State::AgentCells() const {
   return cells;
 }
 
-int State::AliveCount() const {
-  return static_cast<int>(std::ranges::count(agents, true, &AgentState::alive));
-}
-
 BitBoard State::Walkable() const { return ~(rigid | wood | bomb_cells | Flames() | AgentCells()); }
 
 CellValue State::ValueAt(Cell cell) const {

@@ -13,9 +13,13 @@
 
 namespace powderkeg {
 
+inline constexpr int kMaxAmmo = 10;
+// Of a bomb laid in the step just played.
+inline constexpr int kFreshBombLife = 9;
+
 struct AgentState {
   std::uint8_t cell = 0;            // a dead agent keeps the cell it died on
-  std::uint8_t ammo = 1;            // bombs it may lay now, 0..10
+  std::uint8_t ammo = 1;            // bombs it may lay now, 0..kMaxAmmo
   std::uint8_t blast_strength = 2;  // official strength: own cell and strength - 1 to each side
   bool alive = false;
   bool can_kick = false;
@@ -26,7 +30,7 @@ struct AgentState {
 // Four bytes. At most one bomb lies on a cell.
 struct Bomb {
   std::uint8_t cell = 0;
-  std::int8_t life = 0;             // steps to the explosion as stored after a step: 9 when fresh
+  std::int8_t life = 0;             // steps to the explosion as stored after a step
   std::uint8_t blast_strength = 2;  // fixed when laid
   std::uint8_t owner_and_direction = 0;
 
@@ -94,7 +98,6 @@ struct State {
   [[nodiscard]] const Bomb* BombAt(Cell cell) const;
   // Cells of living agents.
   [[nodiscard]] BitBoard AgentCells() const;
-  [[nodiscard]] int AliveCount() const;
   // Passages and visible items: no wall, wood, bomb, flame or living agent.
   [[nodiscard]] BitBoard Walkable() const;
   // What the official board shows (full view); an agent hides the bomb below it.

@@ -8,10 +8,6 @@
 namespace powderkeg {
 namespace {
 
-// Of a bomb when it is created; it ticks in the same step.
-constexpr int kFreshBombLife = 10;
-constexpr int kAmmoCap = 10;
-
 constexpr std::uint8_t IncreasedUpTo(int cap, int value) {
   return static_cast<std::uint8_t>(std::min(value + 1, cap));
 }
@@ -32,7 +28,9 @@ void LayBombs(const JointAction& actions, State& state) {
       continue;
     }
     --agent.ammo;
-    Bomb bomb{.cell = agent.cell, .life = kFreshBombLife, .blast_strength = agent.blast_strength};
+    Bomb bomb{.cell = agent.cell,
+              .life = kFreshBombLife + 1,  // it ticks in the same step
+              .blast_strength = agent.blast_strength};
     bomb.set_owner(id);
     state.AddBomb(bomb);
   }
@@ -40,7 +38,7 @@ void LayBombs(const JointAction& actions, State& state) {
 
 void PickUp(const GameSettings& settings, Item item, AgentState& agent) {
   switch (item) {
-    case Item::kExtraBomb: agent.ammo = IncreasedUpTo(kAmmoCap, agent.ammo); break;
+    case Item::kExtraBomb: agent.ammo = IncreasedUpTo(kMaxAmmo, agent.ammo); break;
     case Item::kIncreaseRange:
       agent.blast_strength = IncreasedUpTo(settings.blast_strength_cap, agent.blast_strength);
       break;
@@ -71,7 +69,7 @@ BitBoard TickBombs(State& state) {
 
 void ReturnAmmo(const Bomb& bomb, State& state) {
   AgentState& owner = state.agents[bomb.owner()];
-  owner.ammo = IncreasedUpTo(kAmmoCap, owner.ammo);
+  owner.ammo = IncreasedUpTo(kMaxAmmo, owner.ammo);
 }
 
 // 3.10. Explodes the bombs on these cells and, round by round, those that they reach. Returns all

@@ -75,9 +75,4 @@ State Transform(Symmetry symmetry, const State& state) {
   return result;
 }
 
-Symmetry Inverse(Symmetry symmetry) {
-  const bool is_turn = (symmetry & kMirrors) == 0;
-  return is_turn ? (kQuarterTurns - symmetry) % kQuarterTurns : symmetry;
-}
-
 }  // namespace powderkeg

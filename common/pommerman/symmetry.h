@@ -18,6 +18,5 @@ inline constexpr int kSymmetryCount = 8;
 [[nodiscard]] Action Transform(Symmetry symmetry, Action action);
 // The whole position; agents keep their ids. Requires an 11x11 game.
 [[nodiscard]] State Transform(Symmetry symmetry, const State& state);
-[[nodiscard]] Symmetry Inverse(Symmetry symmetry);
 
 }  // namespace powderkeg

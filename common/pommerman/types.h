@@ -3,6 +3,7 @@
 // The vocabulary of the game: cells, directions, actions, agents.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace powderkeg {
@@ -33,6 +34,14 @@ enum class Action : std::uint8_t {
   kRight = 4,
   kBomb = 5
 };
+
+inline constexpr std::array<const char*, kActionCount> kActionNames = {"stop", "up",    "down",
+                                                                       "left", "right", "bomb"};
+
+// Whether a set of agents or actions, bit i for number i, holds this one.
+[[nodiscard]] constexpr bool Has(std::uint8_t set, std::size_t number) {
+  return (set >> number & 1) != 0;
+}
 
 // Values are the official directions of moving bombs, equal to those of the actions.
 enum class Direction : std::uint8_t { kNone = 0, kUp = 1, kDown = 2, kLeft = 3, kRight = 4 };

@@ -4,6 +4,7 @@
 #include <initializer_list>
 
 #include "common/base/check.h"
+#include "common/pommerman/radio_code.h"
 #include "common/record/rule_based_seat.h"
 
 namespace powderkeg {
@@ -76,7 +77,7 @@ Refusal CheckLengths(const GameRecord& record) {
 // Plays a record again, step by step. Requires that CheckSetup and CheckLengths found nothing.
 class Replay {
  public:
-  Replay(const GameRecord& record, PositionVisitor visitor, void* context);
+  Replay(const GameRecord& record, const StepObserver& observer);
 
   [[nodiscard]] Refusal Run();
 
@@ -84,27 +85,25 @@ class Replay {
   [[nodiscard]] Refusal PlayStep();
   // `observed` is the position decided on; state_ differs from it where the board collapsed since.
   [[nodiscard]] Refusal CheckAction(AgentId agent, const State& observed);
-  [[nodiscard]] Refusal TakeDecisions(const State& observed);
-  [[nodiscard]] Refusal CheckDecision(const Decision& decision) const;
+  // The agent's decision of this step, if it is there.
+  [[nodiscard]] Refusal TakeDecision(AgentId agent);
+  [[nodiscard]] std::array<Message, kAgentCount> WordsFor(const JointAction& actions) const;
+  [[nodiscard]] Refusal CheckDecisionsTaken() const;
   [[nodiscard]] Refusal CheckEnd() const;
-  [[nodiscard]] bool SearcherLives() const;
 
   const GameRecord& record_;
   const GameSettings& settings_;
-  PositionVisitor visitor_;
-  void* context_;
+  const StepObserver& observer_;
   State state_;
   std::array<RuleBasedSeat, kAgentCount> rule_based_;
-  std::size_t next_decision_ = 0;  // the first one not yet met
-  bool searcher_lived_ = false;    // when the last step began
-  Outcome outcome_;                // after the last step
+  std::array<std::size_t, kAgentCount> next_decision_{};  // the first one of a track not yet met
+  Outcome outcome_;                                       // after the last step
 };
 
-Replay::Replay(const GameRecord& record, PositionVisitor visitor, void* context)
+Replay::Replay(const GameRecord& record, const StepObserver& observer)
     : record_(record),
       settings_(record.setup.settings),
-      visitor_(visitor),
-      context_(context),
+      observer_(observer),
       state_(GenerateStart(settings_, record.setup.start, BoardRng(record.setup))) {
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
     if (!record.setup.seats[agent].searches) {
@@ -118,25 +117,34 @@ Refusal Replay::Run() {
     const int step = state_.step;
     if (auto refusal = PlayStep()) return StrCat("step ", step, ": ", *refusal);
   }
-  if (next_decision_ < record_.decisions.size()) {
-    return StrCat("decision ", next_decision_, ": out of order, or of a step that was not played");
-  }
+  if (auto refusal = CheckDecisionsTaken()) return refusal;
   return CheckEnd();
 }
 
 // As a game does it: everybody decides, then the board may collapse, then the step is played.
 Refusal Replay::PlayStep() {
-  if (outcome_.done) return "the game is over before it";
-  searcher_lived_ = SearcherLives();
+  if (outcome_.done || EndsEarly(record_.setup, state_)) return "the game is over before it";
   const State observed = state_;
   Collapse(settings_, state_);
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
     if (auto refusal = CheckAction(agent, observed)) return refusal;
+    if (auto refusal = TakeDecision(agent)) return refusal;
   }
-  if (auto refusal = TakeDecisions(observed)) return refusal;
-  Step(settings_, record_.actions[state_.step], state_);
+  const JointAction& actions = record_.actions[state_.step];
+  if (observer_) observer_(observed, actions);
+  Step(settings_, actions, WordsFor(actions), state_);
   outcome_ = OutcomeOf(settings_, state_);
   return std::nullopt;
+}
+
+// What the searching seats said in a radio game; the others are silent.
+std::array<Message, kAgentCount> Replay::WordsFor(const JointAction& actions) const {
+  std::array<Message, kAgentCount> words{};
+  for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+    if (settings_.mode != Mode::kTeamRadio || !record_.setup.seats[agent].searches) continue;
+    words[agent] = EncodeReport(state_.step, state_.agents[agent].cell, actions[agent]);
+  }
+  return words;
 }
 
 Refusal Replay::CheckAction(AgentId agent, const State& observed) {
@@ -154,42 +162,37 @@ Refusal Replay::CheckAction(AgentId agent, const State& observed) {
                 NameOf(record_.setup.seats[agent].policy), " plays ", static_cast<int>(expected));
 }
 
-// Decisions of this step come next and ascend by agent; any other is left, and refused at the end.
-Refusal Replay::TakeDecisions(const State& observed) {
-  const std::vector<Decision>& decisions = record_.decisions;
-  for (int last_agent = -1; next_decision_ < decisions.size(); ++next_decision_) {
-    const Decision& decision = decisions[next_decision_];
-    if (decision.step != state_.step || decision.agent <= last_agent) break;
-    if (auto refusal = CheckDecision(decision)) return refusal;
-    last_agent = decision.agent;
-    if (visitor_ == nullptr) continue;
-    visitor_(context_, observed, decision, record_.actions[state_.step][decision.agent]);
+// Decisions ascend by step; one that does not is left, and refused at the end.
+Refusal Replay::TakeDecision(AgentId agent) {
+  const std::vector<Decision>& decisions = record_.tracks[agent].decisions;
+  std::size_t& next = next_decision_[agent];
+  if (next == decisions.size() || decisions[next].step != state_.step) return std::nullopt;
+  const Seat& seat = record_.setup.seats[agent];
+  if (!seat.searches || seat.teaches != Teaches::kSearch) {
+    return StrCat("decision of agent ", agent, ", which teaches no search");
+  }
+  if (!state_.agents[agent].alive) return StrCat("decision of agent ", agent, ", which is dead");
+  const float value = decisions[next].value;
+  if (!(value >= -1 && value <= 1)) {
+    return StrCat("decision of agent ", agent, ": value ", value, ", expected -1 to 1");
+  }
+  ++next;
+  return std::nullopt;
+}
+
+Refusal Replay::CheckDecisionsTaken() const {
+  for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+    if (next_decision_[agent] == record_.tracks[agent].decisions.size()) continue;
+    return StrCat("decision ", next_decision_[agent], " of agent ", agent,
+                  ": out of order, or of a step that was not played");
   }
   return std::nullopt;
 }
 
-Refusal Replay::CheckDecision(const Decision& decision) const {
-  const int agent = decision.agent;
-  if (agent >= kAgentCount) return StrCat("decision of agent ", agent);
-  if (!record_.setup.seats[agent].searches) {
-    return StrCat("decision of agent ", agent, ", which does not search");
-  }
-  if (!state_.agents[agent].alive) return StrCat("decision of agent ", agent, ", which is dead");
-  if (decision.value >= -1 && decision.value <= 1) return std::nullopt;
-  return StrCat("decision of agent ", agent, ": value ", decision.value, ", expected -1 to 1");
-}
-
 Refusal Replay::CheckEnd() const {
   if (record_.outcome != outcome_) return "the outcome is not the true one";
-  if (outcome_.done || (searcher_lived_ && !SearcherLives())) return std::nullopt;
-  return "ends neither with the game nor with the death of the last searching agent";
-}
-
-bool Replay::SearcherLives() const {
-  for (AgentId agent = 0; agent < kAgentCount; ++agent) {
-    if (record_.setup.seats[agent].searches && state_.agents[agent].alive) return true;
-  }
-  return false;
+  if (outcome_.done || EndsEarly(record_.setup, state_)) return std::nullopt;
+  return "ends neither with the game nor when no measured agent can win";
 }
 
 }  // namespace
@@ -204,18 +207,35 @@ Rng SearchRng(const GameSetup& setup, AgentId seat) {
   return Rng(setup.seed).Split(kSearchPurpose).Split(static_cast<std::uint64_t>(seat));
 }
 
+std::size_t DecisionCount(const GameRecord& record) {
+  std::size_t count = 0;
+  for (const Track& track : record.tracks) count += track.decisions.size();
+  return count;
+}
+
+bool EndsEarly(const GameSetup& setup, const State& state) {
+  if (setup.to_the_end) return false;
+  bool measured = false;
+  for (AgentId seat = 0; seat < kAgentCount; ++seat) {
+    if (!setup.seats[seat].measured) continue;
+    measured = true;
+    const AgentId mate = TeamMateOf(setup.settings.mode, seat);
+    if (state.agents[seat].alive || (mate >= 0 && state.agents[mate].alive)) return false;
+  }
+  return measured;
+}
+
 int OutcomeFor(const GameRecord& record, AgentId agent) {
   const Outcome& outcome = record.outcome;
-  if (!outcome.done) return record.setup.seats[agent].searches ? -1 : 0;
+  if (!outcome.done) return record.setup.seats[agent].measured ? -1 : 0;
   if (outcome.result == Result::kTie) return 0;
   return (outcome.winners >> agent & 1) != 0 ? 1 : -1;
 }
 
-std::optional<std::string> Verify(const GameRecord& record, PositionVisitor visitor,
-                                  void* context) {
+std::optional<std::string> Verify(const GameRecord& record, const StepObserver& observer) {
   if (auto refusal = CheckSetup(record.setup)) return refusal;
   if (auto refusal = CheckLengths(record)) return refusal;
-  return Replay(record, visitor, context).Run();
+  return Replay(record, observer).Run();
 }
 
 }  // namespace powderkeg

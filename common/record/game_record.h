@@ -5,10 +5,12 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "common/config/players.h"
 #include "common/policies/policy.h"
 #include "common/pommerman/game_settings.h"
 #include "common/pommerman/generate.h"
@@ -16,10 +18,15 @@
 
 namespace powderkeg {
 
-// Who plays a seat: a search whose decisions are recorded, or a rule-based policy.
+using Teaches = PlayerSpec::Teaches;
+
+// Who plays a seat, and what the game is played for there.
 struct Seat {
-  bool searches = false;
-  PolicyKind policy = PolicyKind::kIdle;  // where it does not search
+  bool searches = false;                  // an agent moves it; it cannot be re-run
+  PolicyKind policy = PolicyKind::kIdle;  // that moves it where it does not search
+  Teaches teaches = Teaches::kNothing;    // kSearch only where it searches
+  bool measured = false;                  // its result counts: it teaches, or sits an exam
+  std::uint8_t player = 0;                // index among the players of the run or match
 
   friend bool operator==(const Seat&, const Seat&) = default;
 };
@@ -30,6 +37,8 @@ struct GameSetup {
   StartSettings start;
   std::array<Seat, kAgentCount> seats;
   std::uint64_t seed = 0;
+  std::uint8_t lineup = 0;  // index among the line-ups of the run
+  bool to_the_end = true;   // otherwise only until no measured seat can win any more
 
   friend bool operator==(const GameSetup&, const GameSetup&) = default;
 };
@@ -39,10 +48,9 @@ struct GameSetup {
 [[nodiscard]] Rng SeatRng(const GameSetup& setup, AgentId seat);    // traits first, then decisions
 [[nodiscard]] Rng SearchRng(const GameSetup& setup, AgentId seat);  // search; not verifiable
 
-// One searched move of one agent. Moves made without a search (one legal action) have none.
+// One searched move. Moves made without a search (one legal action) have none.
 struct Decision {
   std::uint16_t step = 0;  // steps played before it
-  std::uint8_t agent = 0;
   // The policy to learn as counts of at most 65,535 (visits, as a rule). All 0: there is none, as
   // the search was too short to learn from; the decision is a sample of the value alone.
   std::array<std::uint16_t, kActionCount> visits{};
@@ -52,35 +60,49 @@ struct Decision {
   friend bool operator==(const Decision&, const Decision&) = default;
 };
 
+// One seat's own story of a game, beside its actions.
+struct Track {
+  std::uint32_t weights_version = 0;  // at the start of the game; 0: no network
+  std::vector<Decision> decisions;    // ascending by step; only of a seat that teaches its search
+
+  friend bool operator==(const Track&, const Track&) = default;
+};
+
 struct GameRecord {
   // The ticket the game was played for: its number in start order, and its identity.
   std::uint64_t ticket = 0;
   GameSetup setup;
-  std::uint32_t weights_version = 0;  // at the start of the game
-  std::string evaluator;              // Evaluator::name()
+  std::string evaluator;              // Evaluator::name() of the first searching seat
   std::vector<JointAction> actions;   // one per step; kStop for the dead
-  std::vector<Decision> decisions;    // ascending by (step, agent)
-  // After the last recorded step. A game may be recorded only to the death of its last searching
-  // seat; then outcome.done may be false and every searching seat lost.
+  std::array<Track, kAgentCount> tracks;  // by agent
+  // After the last recorded step. If it is not done, no measured seat could win any more: all lost.
   Outcome outcome;
 
   friend bool operator==(const GameRecord&, const GameRecord&) = default;
 };
 
-// +1 win, 0 tie, -1 loss of `agent` in the recorded game (the value target). Where the game was not
-// played to its end, searching seats lost and the others' outcome is unknown: 0.
+// Of all tracks.
+[[nodiscard]] std::size_t DecisionCount(const GameRecord& record);
+
+// Whether a game of this setup ends in `state` although the environment goes on: seats are measured,
+// and none of their sides lives.
+[[nodiscard]] bool EndsEarly(const GameSetup& setup, const State& state);
+
+// +1 win, 0 tie, -1 loss of `agent` in the recorded game, officially. Where the game was not played
+// to its end, measured seats lost and the others' outcome is unknown: 0.
 [[nodiscard]] int OutcomeFor(const GameRecord& record, AgentId agent);
 
+// Looks on while a record is played again: called once per step, with the position that was decided
+// on (before a collapse; in radio games with the words that led to it, which follow from the record)
+// and what everybody did there.
+using StepObserver = std::function<void(const State& state, const JointAction& actions)>;
+
 // Regenerates the start, re-runs the rule-based seats, steps the recorded actions and checks every
-// claim of the record (decisions belong to living searching seats in order, their actions exist,
-// the outcome is the true one, nothing follows the end). Returns the reason for refusal, or
-// nullopt. Never throws, safe on records from peers. `visitor`, if given, is called for each
-// decision with the position it was made in (before a collapse) and the action that was played,
-// until a reason is found.
-using PositionVisitor = void (*)(void* context, const State& state, const Decision& decision,
-                                 Action action);
+// claim of the record (decisions belong to living seats that teach their search, in order; their
+// actions exist; the outcome is the true one; nothing follows the end). Returns the reason for
+// refusal, or nullopt. Never throws, safe on records from peers. `observer` is called until a
+// reason is found.
 [[nodiscard]] std::optional<std::string> Verify(const GameRecord& record,
-                                                PositionVisitor visitor = nullptr,
-                                                void* context = nullptr);
+                                                const StepObserver& observer = nullptr);
 
 }  // namespace powderkeg

@@ -1,56 +1,51 @@
 #include "common/record/game_setup.h"
 
 #include <cstddef>
-#include <optional>
 
-#include "common/base/check.h"
 #include "common/base/rng.h"
-#include "common/policies/policy.h"
-#include "common/pommerman/game_settings.h"
 
 namespace powderkeg {
-namespace {
+RunGames::RunGames(const SelfPlayConfig& config)
+    : settings_(GameOf(config)),
+      start_{.generator = config.board_generator, .corners = config.corners},
+      who_(ResolvePlayers(config)),
+      seed_(config.seed),
+      to_the_end_(config.record_after_death) {}
 
-GameSettings SettingsOf(const SelfPlayConfig& config) {
-  const std::optional<GameSettings> settings = GameSettingsFor(config.environment);
-  if (!settings) {
-    throw Error(StrCat("environment \"", config.environment, "\" is unknown; expected one of ",
-                       KnownEnvironmentIds()));
+GameSetup RunGames::SetupFor(std::uint64_t ticket) const {
+  Rng rng = Rng(seed_).Split(ticket);
+  GameSetup setup{.settings = settings_, .start = start_, .seats = {}, .seed = 0};
+  const std::size_t index = DrawLineup(rng);
+  const Lineup& lineup = who_.lineups[index];
+  const int turn = static_cast<int>(rng.Below(static_cast<std::uint32_t>(lineup.seat_count)));
+  for (int role = 0; role < lineup.seat_count; ++role) {
+    setup.seats[(role + turn) % lineup.seat_count] = SeatOf(lineup, role);
   }
-  return *settings;
-}
-
-PolicyKind PolicyNamed(std::string_view name) {
-  const std::optional<PolicyKind> kind = PolicyKindFor(name);
-  if (!kind) {
-    throw Error(StrCat("opponent \"", name,
-                       "\" is unknown; expected idle, random, harmless, "
-                       "simple_unbiased or official_simple"));
-  }
-  return *kind;
-}
-
-StartSettings StartOf(const SelfPlayConfig& config) {
-  return {
-      .generator = config.board_generator == "uniform" ? BoardGenerator::kUniform
-                                                       : BoardGenerator::kOfficial,
-      .corners = config.corners == "permuted" ? StartCorners::kPermuted : StartCorners::kOfficial};
-}
-
-}  // namespace
-
-GameSetup SetupFor(const SelfPlayConfig& config, std::uint64_t ticket) {
-  constexpr std::size_t kDuelists = 2;  // one-against-one is played by agents 0 and 1
-  GameSetup setup{.settings = SettingsOf(config), .start = StartOf(config), .seats = {}, .seed = 0};
-  Rng rng = Rng(config.seed).Split(ticket);
-  const std::size_t players = setup.settings.mode == Mode::kOneVsOne ? kDuelists : kAgentCount;
-  const std::size_t searching = rng.Below(static_cast<std::uint32_t>(players));
-  for (std::size_t i = 1; i < players; ++i) {
-    setup.seats[(searching + i) % players].policy = PolicyNamed(config.opponents[i - 1]);
-  }
-  setup.seats[searching].searches = true;
   setup.seed = rng.Next();
+  setup.lineup = static_cast<std::uint8_t>(index);
+  setup.to_the_end = to_the_end_;
   return setup;
+}
+
+std::size_t RunGames::DrawLineup(Rng& rng) const {
+  double total = 0;
+  for (const Lineup& lineup : who_.lineups) total += lineup.share;
+  double left = rng.Uniform() * total;
+  std::size_t index = 0;
+  while (index + 1 < who_.lineups.size() && (left -= who_.lineups[index].share) >= 0) ++index;
+  return index;
+}
+
+// Of an exam the first player is measured, and nobody teaches.
+Seat RunGames::SeatOf(const Lineup& lineup, int role) const {
+  const int index = lineup.seats[role];
+  const Player& player = who_.players[index];
+  const bool teaches = !lineup.exam && player.teaches != Teaches::kNothing;
+  return {.searches = player.agent.kind != AgentSpec::Kind::kRuleBased,
+          .policy = player.agent.policy,
+          .teaches = teaches ? player.teaches : Teaches::kNothing,
+          .measured = lineup.exam ? index == lineup.seats[0] : teaches,
+          .player = static_cast<std::uint8_t>(index)};
 }
 
 }  // namespace powderkeg

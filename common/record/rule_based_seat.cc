@@ -5,9 +5,7 @@
 namespace powderkeg {
 
 Action RuleBasedSeat::Decide(const GameSettings& settings, const State& state) {
-  const BitBoard visible = settings.view_radius == 0
-                               ? BitBoard::All()
-                               : VisibleCells(settings, state.agents[self_].cell);
+  const BitBoard visible = VisibleCells(settings, state.agents[self_].cell);
   const PolicyView view{state, settings, self_, visible};
   return powderkeg::Decide(kind_, view, traits_, memory_, rng_);
 }

@@ -53,11 +53,20 @@ void AddSetup(const GameSetup& setup, SegmentColumns::Games& games) {
   std::ranges::transform(settings.collapse_steps, collapse_steps.begin(), Unsigned);
   games.generator.push_back(static_cast<std::uint8_t>(setup.start.generator));
   games.corners.push_back(static_cast<std::uint8_t>(setup.start.corners));
+  games.lineup.push_back(setup.lineup);
+  games.to_the_end.push_back(setup.to_the_end ? 1 : 0);
   auto& searches = games.seat_searches.emplace_back();
   auto& policies = games.seat_policy.emplace_back();
+  auto& teaches = games.seat_teaches.emplace_back();
+  auto& measured = games.seat_measured.emplace_back();
+  auto& players = games.seat_player.emplace_back();
   for (std::size_t i = 0; i < setup.seats.size(); ++i) {
-    searches[i] = setup.seats[i].searches ? 1 : 0;
-    policies[i] = static_cast<std::uint8_t>(setup.seats[i].policy);
+    const Seat& seat = setup.seats[i];
+    searches[i] = seat.searches ? 1 : 0;
+    policies[i] = static_cast<std::uint8_t>(seat.policy);
+    teaches[i] = static_cast<std::uint8_t>(seat.teaches);
+    measured[i] = seat.measured ? 1 : 0;
+    players[i] = seat.player;
   }
 }
 
@@ -68,14 +77,24 @@ void AddOutcome(const Outcome& outcome, SegmentColumns::Games& games) {
   games.rewards.push_back(outcome.rewards);
 }
 
-void AddDecision(const Decision& decision, std::uint32_t game,
-                 SegmentColumns::Decisions& decisions) {
-  decisions.game.push_back(game);
-  decisions.step.push_back(decision.step);
-  decisions.agent.push_back(decision.agent);
-  decisions.visits.push_back(decision.visits);
-  decisions.value.push_back(decision.value);
-  decisions.weights_version.push_back(decision.weights_version);
+void AddTracks(const GameRecord& game, SegmentColumns& columns) {
+  const auto row = static_cast<std::uint32_t>(columns.games.ticket.size() - 1);
+  auto& versions = columns.games.weights_version.emplace_back();
+  auto& counts = columns.games.decision_count.emplace_back();
+  SegmentColumns::Decisions& decisions = columns.decisions;
+  for (std::uint8_t agent = 0; agent < kAgentCount; ++agent) {
+    const Track& track = game.tracks[agent];
+    versions[agent] = track.weights_version;
+    counts[agent] = static_cast<std::uint32_t>(track.decisions.size());
+    for (const Decision& decision : track.decisions) {
+      decisions.game.push_back(row);
+      decisions.agent.push_back(agent);
+      decisions.step.push_back(decision.step);
+      decisions.visits.push_back(decision.visits);
+      decisions.value.push_back(decision.value);
+      decisions.weights_version.push_back(decision.weights_version);
+    }
+  }
 }
 
 // The index of `name`, which is appended if it is new. A segment has few distinct names.
@@ -84,6 +103,16 @@ std::uint32_t IndexOf(const std::string& name, std::vector<std::string>& names) 
   const auto index = static_cast<std::uint32_t>(found - names.begin());
   if (found == names.end()) names.push_back(name);
   return index;
+}
+
+Seat SeatAt(const SegmentColumns::Games& games, std::size_t row, std::size_t agent) {
+  return {.searches = games.seat_searches[row][agent] != 0,
+          .policy = EnumFrom(games.seat_policy[row][agent], PolicyKind::kIdle,
+                             PolicyKind::kOfficialSimple, "games/seat_policy is unknown"),
+          .teaches = EnumFrom(games.seat_teaches[row][agent], Teaches::kNothing, Teaches::kMoves,
+                              "games/seat_teaches is unknown"),
+          .measured = games.seat_measured[row][agent] != 0,
+          .player = games.seat_player[row][agent]};
 }
 
 GameSetup SetupAt(const SegmentColumns::Games& games, std::size_t row) {
@@ -102,11 +131,9 @@ GameSetup SetupAt(const SegmentColumns::Games& games, std::size_t row) {
                                    BoardGenerator::kUniform, "games/generator is unknown");
   setup.start.corners = EnumFrom(games.corners[row], StartCorners::kOfficial,
                                  StartCorners::kPermuted, "games/corners is unknown");
-  for (std::size_t i = 0; i < setup.seats.size(); ++i) {
-    setup.seats[i].searches = games.seat_searches[row][i] != 0;
-    setup.seats[i].policy = EnumFrom(games.seat_policy[row][i], PolicyKind::kIdle,
-                                     PolicyKind::kOfficialSimple, "games/seat_policy is unknown");
-  }
+  setup.lineup = games.lineup[row];
+  setup.to_the_end = games.to_the_end[row] != 0;
+  for (std::size_t i = 0; i < setup.seats.size(); ++i) setup.seats[i] = SeatAt(games, row, i);
   return setup;
 }
 
@@ -119,13 +146,65 @@ Outcome OutcomeAt(const SegmentColumns::Games& games, std::size_t row) {
 }
 
 Decision DecisionAt(const SegmentColumns::Decisions& decisions, std::size_t row) {
-  Expect(decisions.agent[row] < kAgentCount, "decisions/agent is above 3");
   return {.step = decisions.step[row],
-          .agent = decisions.agent[row],
           .visits = decisions.visits[row],
           .value = decisions.value[row],
           .weights_version = decisions.weights_version[row]};
 }
+
+// Reads games one after the other from columns that are whole.
+class GameReader {
+ public:
+  explicit GameReader(const SegmentColumns& columns) : columns_(columns) {}
+
+  [[nodiscard]] GameRecord Next() {
+    const SegmentColumns::Games& games = columns_.games;
+    Expect(games.evaluator[row_] < columns_.evaluators.size(), "games/evaluator has no name");
+    GameRecord game{.ticket = games.ticket[row_],
+                    .setup = SetupAt(games, row_),
+                    .evaluator = columns_.evaluators[games.evaluator[row_]],
+                    .actions = NextActions(),
+                    .tracks = {},
+                    .outcome = OutcomeAt(games, row_)};
+    for (std::uint8_t agent = 0; agent < kAgentCount; ++agent) game.tracks[agent] = NextTrack(agent);
+    ++row_;
+    return game;
+  }
+
+  void ExpectEnd() const {
+    Expect(step_ == columns_.steps.actions.size(), "steps/ goes on after the last game");
+    Expect(decision_ == columns_.decisions.game.size(), "decisions/ goes on after the last game");
+  }
+
+ private:
+  std::vector<JointAction> NextActions() {
+    const std::size_t end = step_ + columns_.games.step_count[row_];
+    Expect(end <= columns_.steps.actions.size(), "steps/ ends within a game");
+    std::vector<JointAction> actions;
+    actions.reserve(end - step_);
+    for (; step_ < end; ++step_) actions.push_back(Unpack(columns_.steps.actions[step_]));
+    return actions;
+  }
+
+  Track NextTrack(std::uint8_t agent) {
+    const SegmentColumns::Decisions& decisions = columns_.decisions;
+    Track track{.weights_version = columns_.games.weights_version[row_][agent], .decisions = {}};
+    const std::size_t end = decision_ + columns_.games.decision_count[row_][agent];
+    Expect(end <= decisions.game.size(), "decisions/ ends within a game");
+    track.decisions.reserve(end - decision_);
+    for (; decision_ < end; ++decision_) {
+      Expect(decisions.game[decision_] == row_ && decisions.agent[decision_] == agent,
+             "decisions/ is out of order");
+      track.decisions.push_back(DecisionAt(decisions, decision_));
+    }
+    return track;
+  }
+
+  const SegmentColumns& columns_;
+  std::size_t row_ = 0;  // of the game to read next, and its first rows:
+  std::size_t step_ = 0;
+  std::size_t decision_ = 0;
+};
 
 // Columns of one table are equally long.
 void ExpectWholeTables(const SegmentColumns& columns) {
@@ -144,51 +223,22 @@ void ExpectWholeTables(const SegmentColumns& columns) {
 SegmentColumns ToColumns(std::span<const GameRecord> games) {
   SegmentColumns columns;
   for (const GameRecord& game : games) {
-    const auto row = static_cast<std::uint32_t>(columns.games.ticket.size());
     columns.games.ticket.push_back(game.ticket);
-    columns.games.weights_version.push_back(game.weights_version);
     columns.games.step_count.push_back(static_cast<std::uint32_t>(game.actions.size()));
-    columns.games.decision_count.push_back(static_cast<std::uint32_t>(game.decisions.size()));
     columns.games.evaluator.push_back(IndexOf(game.evaluator, columns.evaluators));
     AddSetup(game.setup, columns.games);
     AddOutcome(game.outcome, columns.games);
     for (const JointAction& actions : game.actions) columns.steps.actions.push_back(Pack(actions));
-    for (const Decision& decision : game.decisions) {
-      AddDecision(decision, row, columns.decisions);
-    }
+    AddTracks(game, columns);
   }
   return columns;
 }
 
 void ForEachGame(const SegmentColumns& columns, const std::function<void(GameRecord&&)>& visit) {
   ExpectWholeTables(columns);
-  const SegmentColumns::Games& games = columns.games;
-  std::size_t step = 0;
-  std::size_t decision = 0;
-  for (std::size_t row = 0; row < games.ticket.size(); ++row) {
-    const std::size_t steps_end = step + games.step_count[row];
-    const std::size_t decisions_end = decision + games.decision_count[row];
-    Expect(steps_end <= columns.steps.actions.size(), "steps/ ends within a game");
-    Expect(decisions_end <= columns.decisions.game.size(), "decisions/ ends within a game");
-    Expect(games.evaluator[row] < columns.evaluators.size(), "games/evaluator has no name");
-    GameRecord game{.ticket = games.ticket[row],
-                    .setup = SetupAt(games, row),
-                    .weights_version = games.weights_version[row],
-                    .evaluator = columns.evaluators[games.evaluator[row]],
-                    .actions = {},
-                    .decisions = {},
-                    .outcome = OutcomeAt(games, row)};
-    game.actions.reserve(games.step_count[row]);
-    game.decisions.reserve(games.decision_count[row]);
-    for (; step < steps_end; ++step) game.actions.push_back(Unpack(columns.steps.actions[step]));
-    for (; decision < decisions_end; ++decision) {
-      Expect(columns.decisions.game[decision] == row, "decisions/game is out of order");
-      game.decisions.push_back(DecisionAt(columns.decisions, decision));
-    }
-    visit(std::move(game));
-  }
-  Expect(step == columns.steps.actions.size(), "steps/ goes on after the last game");
-  Expect(decision == columns.decisions.game.size(), "decisions/ goes on after the last game");
+  GameReader reader(columns);
+  for (std::size_t row = 0; row < columns.games.ticket.size(); ++row) visit(reader.Next());
+  reader.ExpectEnd();
 }
 
 }  // namespace powderkeg

@@ -14,16 +14,18 @@
 namespace powderkeg {
 
 // Format of the columns below; written into every segment.
-inline constexpr std::uint32_t kSegmentFormat = 1;
+inline constexpr std::uint32_t kSegmentFormat = 2;
 
 // The columns of games, steps and decisions. A value; one thread.
 struct SegmentColumns {
   struct Games {
     std::vector<std::uint64_t> ticket;
     std::vector<std::uint64_t> seed;
-    std::vector<std::uint32_t> weights_version;
+    std::vector<std::uint8_t> lineup;
+    std::vector<std::uint8_t> to_the_end;
+    std::vector<std::array<std::uint32_t, kAgentCount>> weights_version;
     std::vector<std::uint32_t> step_count;
-    std::vector<std::uint32_t> decision_count;
+    std::vector<std::array<std::uint32_t, kAgentCount>> decision_count;
     std::vector<std::uint32_t> evaluator;
     std::vector<std::uint8_t> mode;
     std::vector<std::uint32_t> board_size;
@@ -35,6 +37,9 @@ struct SegmentColumns {
     std::vector<std::uint8_t> corners;
     std::vector<std::array<std::uint8_t, kAgentCount>> seat_searches;
     std::vector<std::array<std::uint8_t, kAgentCount>> seat_policy;
+    std::vector<std::array<std::uint8_t, kAgentCount>> seat_teaches;
+    std::vector<std::array<std::uint8_t, kAgentCount>> seat_measured;
+    std::vector<std::array<std::uint8_t, kAgentCount>> seat_player;
     std::vector<std::uint8_t> done;
     std::vector<std::uint8_t> result;
     std::vector<std::uint8_t> winners;
@@ -45,8 +50,8 @@ struct SegmentColumns {
   };
   struct Decisions {
     std::vector<std::uint32_t> game;
-    std::vector<std::uint16_t> step;
     std::vector<std::uint8_t> agent;
+    std::vector<std::uint16_t> step;
     std::vector<std::array<std::uint16_t, kActionCount>> visits;
     std::vector<float> value;
     std::vector<std::uint32_t> weights_version;
@@ -65,10 +70,13 @@ void ForEachColumn(Columns& columns, Visit&& visit) {
   auto& games = columns.games;
   visit("games/ticket", games.ticket, "number of the game in start order, and its identity");
   visit("games/seed", games.seed, "start, traits and rule-based decisions follow from it");
+  visit("games/lineup", games.lineup, "index among the line-ups of the run");
+  visit("games/to_the_end", games.to_the_end, "0: only until no measured agent could win");
   visit("games/weights_version", games.weights_version,
-        "of the network at the start of the game; 0: uniform evaluator");
+        "per agent, of its network at the start of the game; 0: none");
   visit("games/step_count", games.step_count, "rows of steps/, which hold game 0, game 1, ...");
-  visit("games/decision_count", games.decision_count, "rows of decisions/, likewise");
+  visit("games/decision_count", games.decision_count,
+        "per agent, rows of decisions/, which hold agents 0 to 3 of game 0, of game 1, ...");
   visit("games/evaluator", games.evaluator, "index into evaluators");
   visit("games/mode", games.mode, "1 free-for-all, 2 team, 3 team with radio, 4 one against one");
   visit("games/board_size", games.board_size, "rows and columns: 11 or 8");
@@ -78,11 +86,15 @@ void ForEachColumn(Columns& columns, Visit&& visit) {
   visit("games/collapse_steps", games.collapse_steps, "steps until ring k is walls; 0: never");
   visit("games/generator", games.generator, "start positions: 0 official, 1 uniform");
   visit("games/corners", games.corners, "start corners: 0 agent i in corner i, 1 permuted");
-  visit("games/seat_searches", games.seat_searches, "per agent; 1: its actions come from a search");
+  visit("games/seat_searches", games.seat_searches, "per agent; 1: it is no rule-based policy");
   visit("games/seat_policy", games.seat_policy,
         "per agent that does not search: 0 idle, 1 random, 2 harmless, 3 simple_unbiased, "
         "4 official_simple");
-  visit("games/done", games.done, "1: played to the end; 0: to its last searching agent's death");
+  visit("games/seat_teaches", games.seat_teaches,
+        "per agent: 0 nothing, 1 what its search found, 2 what it did");
+  visit("games/seat_measured", games.seat_measured, "per agent; 1: its result counts");
+  visit("games/seat_player", games.seat_player, "per agent, index among the players of the run");
+  visit("games/done", games.done, "1: the environment ended the game");
   visit("games/result", games.result, "0 incomplete, 1 win, 2 tie");
   visit("games/winners", games.winners, "bit i: agent i won");
   visit("games/rewards", games.rewards, "per agent: -1, 0, +1");
@@ -90,8 +102,8 @@ void ForEachColumn(Columns& columns, Visit&& visit) {
         "4 bits an agent, agent 0 lowest: 0 stop, 1 up, 2 down, 3 left, 4 right, 5 bomb");
   auto& decisions = columns.decisions;
   visit("decisions/game", decisions.game, "row of games/");
-  visit("decisions/step", decisions.step, "steps played before the decision");
   visit("decisions/agent", decisions.agent, "0..3");
+  visit("decisions/step", decisions.step, "steps played before the decision");
   visit("decisions/visits", decisions.visits,
         "policy target of the search by action, not scaled; all 0: none");
   visit("decisions/value", decisions.value, "of the root, the agent's view, -1 to +1");

@@ -27,10 +27,23 @@ constexpr const char* kEvaluators = "evaluators";
 // The library's own messages would go to standard error.
 void SilenceLibrary() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
+// Where the library's last failure began, in its words: "file signature not found".
+std::string Reason() {
+  std::string reason;
+  H5Ewalk2(
+      H5E_DEFAULT, H5E_WALK_UPWARD,
+      [](unsigned depth, const H5E_error2_t* error, void* text) -> herr_t {
+        if (depth == 0 && error->desc != nullptr) *static_cast<std::string*>(text) = error->desc;
+        return 0;
+      },
+      &reason);
+  return reason;
+}
+
 // Turns the library's negative results into an Error.
 template <typename Value>
 Value Checked(Value result, std::string_view what) {
-  if (result < 0) throw Error(StrCat("HDF5 cannot ", what));
+  if (result < 0) throw Error(StrCat("HDF5 cannot ", what, ": ", Reason()));
   return result;
 }
 
@@ -219,13 +232,21 @@ std::vector<std::string> ReadStrings(hid_t file, const char* name, std::uint64_t
   return strings;
 }
 
+// Opens a file without the library's lock: segments never change, some file systems have no locks,
+// and on others whoever looks at a file in another program may hold one.
+hid_t Open(const fs::path& path, std::uint64_t bytes) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make access properties");
+  Checked(H5Pset_file_locking(access, /*use_file_locking=*/0, /*ignore_when_disabled=*/1),
+          "do without locks");
+  return Checked(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access),
+                 StrCat("open it (", bytes, " bytes)"));
+}
+
 // A segment opened for reading. Throws Error if it is none of ours.
 class SegmentReader {
  public:
   explicit SegmentReader(const fs::path& path)
-      : bytes_(ReadableBytes(path)),
-        file_(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
-              StrCat("open it (", bytes_, " bytes): it is cut short or no HDF5 file")) {
+      : bytes_(ReadableBytes(path)), file_(Open(path, bytes_), H5Fclose, "open it") {
     ExpectFormat(file_);
   }
 

@@ -12,7 +12,8 @@
 #include <utility>
 
 #include "common/base/check.h"
-#include "common/config/config_proto.h"
+#include "common/base/name.h"
+#include "common/config/config.h"
 #include "proto/wire.pb.h"
 
 namespace powderkeg {
@@ -63,7 +64,7 @@ void Write(const Hello& hello, proto::Envelope& envelope) {
 void Write(const Welcome& welcome, proto::Envelope& envelope) {
   proto::Welcome& message = *envelope.mutable_welcome();
   message.set_run_id(welcome.run_id);
-  ToProto(welcome.self_play, *message.mutable_self_play());
+  message.set_self_play(ToText(welcome.self_play));
   message.set_settings_digest(ToBytes(welcome.settings_digest));
   message.set_heartbeat_ms(ToMilliseconds(welcome.heartbeat));
   message.set_dead_after_ms(ToMilliseconds(welcome.dead_after));
@@ -162,16 +163,6 @@ bool ReadTickets(const Field& field, std::vector<std::uint64_t>& tickets) {
   return true;
 }
 
-bool IsNameCharacter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
-         c == '_' || c == '-';
-}
-
-bool IsActorName(const std::string& name) {
-  return !name.empty() && name.size() <= kMaxNameBytes &&
-         std::all_of(name.begin(), name.end(), IsNameCharacter);
-}
-
 Decoded<WireMessage> Read(const proto::Hello& message) {
   Hello hello{.protocol_version = message.protocol_version(),
               .run_id = message.run_id(),
@@ -182,7 +173,7 @@ Decoded<WireMessage> Read(const proto::Hello& message) {
               .tickets = {}};
   if (hello.run_id.size() > kMaxNameBytes) return OutOfRange("run id");
   if (hello.build.size() > kMaxNameBytes) return OutOfRange("build");
-  if (!IsActorName(hello.name)) return OutOfRange("actor name");
+  if (!IsName(hello.name)) return OutOfRange("actor name");
   if (hello.loops < 1 || hello.loops > kMaxLoops) return OutOfRange("loops");
   if (!ReadTickets(message.tickets(), hello.tickets)) return OutOfRange("number of tickets");
   return hello;
@@ -195,8 +186,10 @@ Decoded<WireMessage> Read(const proto::Welcome& message) {
                   .heartbeat = milliseconds(message.heartbeat_ms()),
                   .dead_after = milliseconds(message.dead_after_ms())};
   if (welcome.run_id.size() > kMaxNameBytes) return OutOfRange("run id");
-  if (const auto fault = FromProto(message.self_play(), welcome.self_play)) {
-    return Malformed{StrCat("message: ", *fault)};
+  try {
+    welcome.self_play = ParseSelfPlay(message.self_play());
+  } catch (const Error& fault) {
+    return Malformed{StrCat("message: ", fault.what())};
   }
   if (!ReadDigest(message.settings_digest(), welcome.settings_digest)) {
     return OutOfRange("settings digest");

@@ -22,8 +22,8 @@ struct Malformed {
 template <typename T>
 using Decoded = std::variant<T, Malformed>;
 
-// Values of decisions are rounded to multiples of 1 / 32,767 (QuantiseValue); the rest comes back
-// as it was.
+// Values of decisions are rounded to multiples of 1 / 32,767 (QuantiseValue); the setup is not sent
+// (it follows from the ticket) and comes back empty; the rest comes back as it was.
 [[nodiscard]] std::string EncodeRecord(const GameRecord& record);
 // Checks forms and ranges; whether the game is true is for Verify.
 [[nodiscard]] Decoded<GameRecord> DecodeRecord(std::string_view bytes);
@@ -36,7 +36,6 @@ using Decoded = std::variant<T, Malformed>;
 // Checks the checksum and that the tickets agree.
 [[nodiscard]] Decoded<GameRecord> Unseal(const SealedGame& game);
 
-// Throws Error if a Welcome holds a search option that proto/config.proto does not know.
 [[nodiscard]] std::string Encode(const WireMessage& message);
 [[nodiscard]] Decoded<WireMessage> Decode(std::string_view bytes);
 

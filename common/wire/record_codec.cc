@@ -36,34 +36,17 @@ std::uint32_t Packed(const JointAction& actions) {
   return packed;
 }
 
-void EncodeSetup(const GameSetup& setup, proto::GameSetup& message) {
-  const GameSettings& settings = setup.settings;
-  message.set_mode(static_cast<std::uint32_t>(settings.mode));
-  message.set_board_size(static_cast<std::uint32_t>(settings.board_size));
-  message.set_max_steps(static_cast<std::uint32_t>(settings.max_steps));
-  message.set_blast_strength_cap(static_cast<std::uint32_t>(settings.blast_strength_cap));
-  message.set_view_radius(static_cast<std::uint32_t>(settings.view_radius));
-  for (const int step : settings.collapse_steps) {
-    message.add_collapse_steps(static_cast<std::uint32_t>(step));
-  }
-  message.set_board_generator(static_cast<std::uint32_t>(setup.start.generator));
-  message.set_corners(static_cast<std::uint32_t>(setup.start.corners));
-  for (const Seat& seat : setup.seats) {
-    message.add_seats(seat.searches ? 0 : 1 + static_cast<std::uint32_t>(seat.policy));
-  }
-  message.set_seed(setup.seed);
-}
-
-void EncodeDecisions(const GameRecord& record, proto::Decisions& message) {
-  const auto count = static_cast<int>(record.decisions.size());
-  message.mutable_place()->Reserve(count);
+void EncodeTrack(const Track& track, proto::Track& message) {
+  const auto count = static_cast<int>(track.decisions.size());
+  message.set_weights_version(track.weights_version);
+  message.mutable_step_change()->Reserve(count);
   message.mutable_visits()->Reserve(count * kActionCount);
   message.mutable_value()->Reserve(count);
   message.mutable_weights_version_change()->Reserve(count);
   std::uint32_t step = 0;
-  std::int64_t version = record.weights_version;
-  for (const Decision& decision : record.decisions) {
-    message.add_place((decision.step - step) * kAgentCount + decision.agent);
+  std::int64_t version = track.weights_version;
+  for (const Decision& decision : track.decisions) {
+    message.add_step_change(decision.step - step);
     for (const std::uint16_t visits : decision.visits) message.add_visits(visits);
     message.add_value(ScaledValue(decision.value));
     message.add_weights_version_change(decision.weights_version - version);
@@ -86,12 +69,12 @@ class RecordReader {
 
   Decoded<GameRecord> Read() {
     record_.ticket = message_.ticket();
-    record_.weights_version = message_.weights_version();
     record_.evaluator = message_.evaluator();
     Require(record_.evaluator.size() <= kMaxNameBytes, "evaluator", record_.evaluator.size());
-    ReadSetup(message_.setup());
     ReadActions();
-    ReadDecisions(message_.decisions());
+    if (Require(message_.tracks_size() == kAgentCount, "tracks", message_.tracks_size())) {
+      for (int i = 0; i < kAgentCount; ++i) ReadTrack(message_.tracks(i), record_.tracks[i]);
+    }
     ReadOutcome(message_.outcome());
     if (!fault_.empty()) return Malformed{fault_};
     return std::move(record_);
@@ -116,40 +99,6 @@ class RecordReader {
     return static_cast<Enumeration>(value);
   }
 
-  void ReadSetup(const proto::GameSetup& message) {
-    GameSetup& setup = record_.setup;
-    GameSettings& settings = setup.settings;
-    settings.mode = Known(message.mode(), Mode::kFreeForAll, Mode::kOneVsOne, "mode");
-    settings.board_size = Number(message.board_size(), 8, kBoardSize, "board size");
-    settings.max_steps = Number(message.max_steps(), 1, kMaxSteps, "max_steps");
-    settings.blast_strength_cap = Number(message.blast_strength_cap(), 1, 255, "blast cap");
-    settings.view_radius = Number(message.view_radius(), 0, kBoardSize, "view radius");
-    if (Require(message.collapse_steps_size() == 4, "collapse steps",
-                message.collapse_steps_size())) {
-      for (int i = 0; i < 4; ++i) {
-        settings.collapse_steps[static_cast<std::size_t>(i)] =
-            Number(message.collapse_steps(i), 0, kMaxSteps, "collapse step");
-      }
-    }
-    setup.start.generator = Known(message.board_generator(), BoardGenerator::kOfficial,
-                                  BoardGenerator::kUniform, "board generator");
-    setup.start.corners =
-        Known(message.corners(), StartCorners::kOfficial, StartCorners::kPermuted, "corners");
-    setup.seed = message.seed();
-    ReadSeats(message);
-  }
-
-  void ReadSeats(const proto::GameSetup& message) {
-    if (!Require(message.seats_size() == kAgentCount, "seats", message.seats_size())) return;
-    for (int i = 0; i < kAgentCount; ++i) {
-      Seat& seat = record_.setup.seats[static_cast<std::size_t>(i)];
-      seat.searches = message.seats(i) == 0;
-      if (seat.searches) continue;
-      seat.policy =
-          Known(message.seats(i) - 1, PolicyKind::kIdle, PolicyKind::kOfficialSimple, "policy");
-    }
-  }
-
   void ReadActions() {
     const auto& packed = message_.joint_actions();
     if (!Require(packed.size() <= static_cast<int>(kMaxSteps), "steps", packed.size())) return;
@@ -166,22 +115,19 @@ class RecordReader {
     }
   }
 
-  void ReadDecisions(const proto::Decisions& message) {
-    const int count = message.place_size();
+  void ReadTrack(const proto::Track& message, Track& track) {
+    const int count = message.step_change_size();
     const bool even = message.visits_size() == count * kActionCount &&
                       message.value_size() == count &&
                       message.weights_version_change_size() == count;
-    if (!Require(count <= static_cast<int>(kMaxSteps) * kAgentCount && even, "decision columns",
-                 count)) {
-      return;
-    }
-    record_.decisions.resize(static_cast<std::size_t>(count));
+    if (!Require(count <= static_cast<int>(kMaxSteps) && even, "decision columns", count)) return;
+    track.weights_version = message.weights_version();
+    track.decisions.resize(static_cast<std::size_t>(count));
     std::uint64_t step = 0;
-    std::int64_t version = record_.weights_version;
+    std::int64_t version = track.weights_version;
     for (int i = 0; i < count; ++i) {
-      Decision& decision = record_.decisions[static_cast<std::size_t>(i)];
-      step += message.place(i) / kAgentCount;
-      decision.agent = static_cast<std::uint8_t>(message.place(i) % kAgentCount);
+      Decision& decision = track.decisions[static_cast<std::size_t>(i)];
+      step += message.step_change(i);
       if (!Require(step <= kMaxSteps, "step", step)) return;
       decision.step = static_cast<std::uint16_t>(step);
       if (!ReadTargets(message, i, decision)) return;
@@ -196,7 +142,7 @@ class RecordReader {
     }
   }
 
-  bool ReadTargets(const proto::Decisions& message, int i, Decision& decision) {
+  bool ReadTargets(const proto::Track& message, int i, Decision& decision) {
     for (int action = 0; action < kActionCount; ++action) {
       const std::uint32_t visits = message.visits(i * kActionCount + action);
       if (!Require(visits <= std::numeric_limits<std::uint16_t>::max(), "visits", visits)) {
@@ -237,12 +183,10 @@ float QuantiseValue(float value) { return ValueOf(ScaledValue(value)); }
 std::string EncodeRecord(const GameRecord& record) {
   proto::GameRecord message;
   message.set_ticket(record.ticket);
-  EncodeSetup(record.setup, *message.mutable_setup());
-  message.set_weights_version(record.weights_version);
   message.set_evaluator(record.evaluator);
   message.mutable_joint_actions()->Reserve(static_cast<int>(record.actions.size()));
   for (const JointAction& actions : record.actions) message.add_joint_actions(Packed(actions));
-  EncodeDecisions(record, *message.mutable_decisions());
+  for (const Track& track : record.tracks) EncodeTrack(track, *message.add_tracks());
   EncodeOutcome(record.outcome, *message.mutable_outcome());
   return message.SerializeAsString();
 }

@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "common/base/check.h"
+#include "common/base/durable_file.h"
 #include "common/wire/keys.h"
 
 namespace powderkeg {
@@ -53,8 +54,7 @@ CurveKeyPair MakeKeyPair() {
 }
 
 void WriteKeyPair(const CurveKeyPair& pair, const std::filesystem::path& file) {
-  std::error_code error;
-  std::filesystem::create_directories(file.parent_path(), error);
+  CreateFolder(file.parent_path());
   WriteNew(file.string() + ".secret", pair.secret_key, 0600);
   WriteNew(file.string() + ".public", pair.public_key, 0644);
 }

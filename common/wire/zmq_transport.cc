@@ -1,8 +1,14 @@
 #include "common/wire/zmq_transport.h"
 
+#include <netdb.h>
+#include <sys/socket.h>
+
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <string_view>
 #include <thread>
 #include <utility>
@@ -30,6 +36,8 @@ constexpr int kHandshakeMs = 10'000;
 // stopped because its peer sends too much, libzmq 4.3 aborts (its issue 4364).
 constexpr int kKeepAliveS = 15;  // and twice again
 constexpr int kUnreadMs = 60'000;
+constexpr int kReconnectMs = 200;
+constexpr int kConnectMs = 3'000;  // to one address
 constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";
 constexpr const char* kMonitorEndpoint = "inproc://monitor";
 
@@ -216,6 +224,32 @@ class ZmqServer final : public ServerChannel {
   zmq::socket_t socket_;
 };
 
+// "tcp://ADDRESS:PORT" for every address that the name in an endpoint has now, in the system's
+// order; the endpoint itself if it holds an address, or a name that is not known.
+std::vector<std::string> AddressesOf(const std::string& endpoint) {
+  constexpr std::string_view kTcp = "tcp://";
+  const std::size_t colon = endpoint.rfind(':');
+  if (!endpoint.starts_with(kTcp) || colon < kTcp.size()) return {endpoint};
+  const std::string host = endpoint.substr(kTcp.size(), colon - kTcp.size());
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (getaddrinfo(host.c_str(), nullptr, &hints, &found) != 0) return {endpoint};
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> list(found, freeaddrinfo);
+  std::vector<std::string> addresses;
+  for (const addrinfo* entry = found; entry != nullptr; entry = entry->ai_next) {
+    std::array<char, NI_MAXHOST> text{};
+    if (getnameinfo(entry->ai_addr, entry->ai_addrlen, text.data(), text.size(), nullptr, 0,
+                    NI_NUMERICHOST) != 0) {
+      continue;
+    }
+    const std::string address =
+        entry->ai_family == AF_INET6 ? StrCat('[', text.data(), ']') : text.data();
+    addresses.push_back(StrCat(kTcp, address, endpoint.substr(colon)));
+  }
+  return addresses.empty() ? std::vector{endpoint} : addresses;
+}
+
 class ZmqClient final : public ClientChannel {
  public:
   ZmqClient(const std::string& endpoint, const std::optional<ClientKeys>& keys)
@@ -226,27 +260,27 @@ class ZmqClient final : public ClientChannel {
     SetCommonOptions(socket_);
     Monitor();
     socket_.set(zmq::sockopt::immediate, true);
-    socket_.set(zmq::sockopt::reconnect_ivl, 200);
+    socket_.set(zmq::sockopt::reconnect_ivl, kReconnectMs);
     socket_.set(zmq::sockopt::reconnect_ivl_max, 5000);
+    socket_.set(zmq::sockopt::connect_timeout, kConnectMs);
     if (keys) {
       socket_.set(zmq::sockopt::curve_serverkey, keys->learner_public);
       socket_.set(zmq::sockopt::curve_publickey, keys->own.public_key);
       socket_.set(zmq::sockopt::curve_secretkey, keys->own.secret_key);
     }
     ExpectPort(endpoint);
-    try {
-      socket_.connect(endpoint);
-    } catch (const zmq::error_t& error) {
-      throw Error(StrCat("cannot connect to ", endpoint, ": ", error.what(),
-                         "; expected tcp://HOST:PORT or ipc://PATH"));
-    }
+    addresses_ = AddressesOf(endpoint);
+    ConnectTo(addresses_.front());
   }
   // An event that nobody takes would hold up the io thread.
   ~ZmqClient() override { zmq_socket_monitor(socket_.handle(), nullptr, 0); }
   ZmqClient(const ZmqClient&) = delete;
   ZmqClient& operator=(const ZmqClient&) = delete;
 
-  bool Send(const std::string& bytes) override { return SendFrame(socket_, bytes); }
+  bool Send(const std::string& bytes) override {
+    HearMonitor();
+    return SendFrame(socket_, bytes);
+  }
 
   std::optional<std::string> Receive(milliseconds timeout, const Waker& waker) override {
     if (!WaitForMessage(socket_, timeout, waker)) return std::nullopt;
@@ -256,13 +290,7 @@ class ZmqClient final : public ClientChannel {
   }
 
   [[nodiscard]] std::string Trouble() override {
-    while (auto frames = ReceiveFrames(monitor_)) {
-      // The first frame of an event begins with its number.
-      std::uint16_t event = 0;
-      if (frames->front().size() < sizeof event) continue;
-      std::memcpy(&event, frames->front().data(), sizeof event);
-      trouble_ = Meaning(event);
-    }
+    HearMonitor();
     return StrCat(endpoint_, ": ", trouble_);
   }
 
@@ -272,10 +300,44 @@ class ZmqClient final : public ClientChannel {
                                           ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
 
   void Monitor() {
-    if (zmq_socket_monitor(socket_.handle(), kMonitorEndpoint, kHandshakeFailed) != 0) {
+    constexpr int kEvents = kHandshakeFailed | ZMQ_EVENT_CONNECT_RETRIED;
+    if (zmq_socket_monitor(socket_.handle(), kMonitorEndpoint, kEvents) != 0) {
       throw Error(StrCat("cannot watch a connection: ", zmq_strerror(zmq_errno())));
     }
     monitor_.connect(kMonitorEndpoint);
+  }
+
+  void HearMonitor() {
+    while (auto frames = ReceiveFrames(monitor_)) {
+      // The first frame of an event begins with its number.
+      std::uint16_t event = 0;
+      if (frames->front().size() < sizeof event) continue;
+      std::memcpy(&event, frames->front().data(), sizeof event);
+      if (event == ZMQ_EVENT_CONNECT_RETRIED) {
+        TryNextAddress();
+      } else {
+        trouble_ = Meaning(event);
+      }
+    }
+  }
+
+  // The learner may listen on one of the addresses of its name only.
+  void TryNextAddress() {
+    const auto now = std::chrono::steady_clock::now();
+    if (addresses_.size() == 1 || now - switched_ < milliseconds(kReconnectMs)) return;
+    switched_ = now;
+    socket_.disconnect(addresses_.front());
+    std::ranges::rotate(addresses_, addresses_.begin() + 1);
+    ConnectTo(addresses_.front());
+  }
+
+  void ConnectTo(const std::string& address) {
+    try {
+      socket_.connect(address);
+    } catch (const zmq::error_t& error) {
+      throw Error(StrCat("cannot connect to ", endpoint_, ": ", error.what(),
+                         "; expected tcp://HOST:PORT or ipc://PATH"));
+    }
   }
 
   // A learner that does not know a key says so; one that cannot read us hangs up.
@@ -287,6 +349,8 @@ class ZmqClient final : public ClientChannel {
   }
 
   const std::string endpoint_;
+  std::vector<std::string> addresses_;  // of the endpoint; the first one is connected to
+  std::chrono::steady_clock::time_point switched_ = std::chrono::steady_clock::now();
   std::string_view trouble_ = "no answer";
   zmq::context_t context_;
   zmq::socket_t socket_;

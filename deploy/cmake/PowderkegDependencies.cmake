@@ -1,6 +1,9 @@
 # Third-party libraries. Protobuf comes before Torch: Torch brings its own copy of Google's headers.
 
 find_package(Threads REQUIRED)
+# The compiler of the library that is found, whichever comes first in PATH.
+find_path(Protobuf_INCLUDE_DIR google/protobuf/service.h)
+find_program(Protobuf_PROTOC_EXECUTABLE protoc PATHS ${Protobuf_INCLUDE_DIR}/../bin NO_DEFAULT_PATH)
 find_package(Protobuf 3.21 MODULE REQUIRED)
 find_package(cppzmq REQUIRED)
 find_package(spdlog REQUIRED)

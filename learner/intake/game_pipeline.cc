@@ -39,12 +39,12 @@ GamePipeline::GamePipeline(PipelineSettings settings, AppendGames append, Ticket
                            const Waker& waker)
     : settings_(std::move(settings)),
       settings_digest_(SettingsDigest(settings_.self_play)),
+      games_(settings_.self_play),
       append_(std::move(append)),
       waker_(waker),
       stored_(std::move(stored)),
       to_verify_(settings_.capacity),
       to_store_(settings_.capacity) {
-  (void)SetupFor(settings_.self_play, /*ticket=*/0);  // an unknown name is found here
   store_ = std::make_unique<Worker>("store", [this](const std::stop_token&) { RunStore(); });
   for (int i = 0; i < settings_.verify_threads; ++i) {
     verifiers_.push_back(
@@ -100,21 +100,23 @@ GamePipeline::VerifiedGame GamePipeline::Check(const SubmittedGame& submitted) c
   verdict.session = submitted.session;
   verdict.ticket = submitted.game.ticket;
   verdict.bytes = submitted.game.record.size();
-  Decoded<GameRecord> decoded = Unseal(submitted.game);
   verdict.other_settings = submitted.game.settings_digest != settings_digest_;
+  Decoded<GameRecord> decoded = Unseal(submitted.game);
   if (const auto* malformed = std::get_if<Malformed>(&decoded)) {
     verdict.reason = malformed->reason;
   } else {
     checked.record = std::get<GameRecord>(std::move(decoded));
-    if (checked.record.setup != SetupFor(settings_.self_play, verdict.ticket)) {
-      verdict.reason = "the setup is not that of the ticket in this run";
-      verdict.outdated = verdict.other_settings;
+    checked.record.setup = games_.SetupFor(verdict.ticket);
+    auto made = MakeLessons(checked.record);
+    if (const auto* reason = std::get_if<std::string>(&made)) {
+      verdict.reason = *reason;
+      verdict.outdated = verdict.other_settings;  // perhaps true when it was played
     } else {
-      verdict.reason = Verify(checked.record).value_or("");
+      checked.lessons = std::get<Lessons>(std::move(made));
+      verdict.decisions = checked.lessons.samples.size();
     }
   }
   if (!verdict.reason.empty()) verdict.kind = Verdict::Kind::kRejected;
-  verdict.decisions = checked.record.decisions.size();
   return checked;
 }
 
@@ -149,14 +151,16 @@ std::vector<GamePipeline::VerifiedGame> GamePipeline::CollectCommit() {
 
 void GamePipeline::Commit(std::vector<VerifiedGame> games) {
   std::vector<GameRecord> records;
+  std::vector<Lessons> lessons;
   for (VerifiedGame& game : games) {
     if (stored_.Insert(game.verdict.ticket)) {
       records.push_back(std::move(game.record));
+      lessons.push_back(std::move(game.lessons));
     } else {
       game.verdict.kind = Verdict::Kind::kDuplicate;
     }
   }
-  if (!records.empty()) append_(std::move(records));
+  if (!records.empty()) append_(records, std::move(lessons));
   std::vector<Verdict> verdicts;
   for (VerifiedGame& game : games) verdicts.push_back(std::move(game.verdict));
   Report(std::move(verdicts));

@@ -18,15 +18,19 @@
 #include "common/base/worker.h"
 #include "common/config/run_config.h"
 #include "common/record/game_record.h"
+#include "common/record/game_setup.h"
 #include "common/wire/messages.h"
 #include "common/wire/waker.h"
 #include "learner/intake/ticket_office.h"
+#include "learner/replay/lessons.h"
 
 namespace powderkeg {
 
-// Makes games durable, in the order given; blocks until they are. Called on the store thread alone,
-// with at least one game, with each ticket at most once. May throw Error: that ends the pipeline.
-using AppendGames = std::function<void(std::vector<GameRecord> games)>;
+// Makes games durable, in the order given; blocks until they are. `lessons` are those of the games,
+// in the same order. Called on the store thread alone, with at least one game, with each ticket at
+// most once. May throw Error: that ends the pipeline.
+using AppendGames =
+    std::function<void(const std::vector<GameRecord>& games, std::vector<Lessons> lessons)>;
 
 struct PipelineSettings {
   SelfPlayConfig self_play;
@@ -85,6 +89,7 @@ class GamePipeline {
   struct VerifiedGame {
     Verdict verdict;
     GameRecord record;
+    Lessons lessons;
   };
 
   void RunVerify();
@@ -96,6 +101,7 @@ class GamePipeline {
 
   const PipelineSettings settings_;
   const Sha256Digest settings_digest_;
+  const RunGames games_;
   const AppendGames append_;
   const Waker& waker_;
   TicketSet stored_;  // the store thread's

@@ -39,7 +39,6 @@ class ReplayStore {
   // drops. Takes the memory of about two large segments.
   void Merge();
 
-  [[nodiscard]] std::size_t segment_count() const { return segments_.size(); }
   // What Merge would work on.
   [[nodiscard]] std::size_t small_segment_count() const;
 

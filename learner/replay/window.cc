@@ -37,11 +37,6 @@ const Sample& ReplayWindow::operator[](std::size_t index) const {
   return data_set[index + data_set.size() - *end];
 }
 
-const Sample& ReplayWindow::Draw(Rng& rng) const {
-  CHECK(size() > 0);
-  return (*this)[rng.Below(static_cast<std::uint32_t>(size()))];
-}
-
 std::vector<std::uint32_t> ReplayWindow::ShuffledOrder(Rng& rng) const {
   std::vector<std::uint32_t> order(size());
   std::iota(order.begin(), order.end(), 0U);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/base/rng.h"
-#include "learner/replay/samples.h"
+#include "learner/replay/lessons.h"
 
 namespace powderkeg {
 
@@ -23,13 +23,10 @@ class ReplayWindow {
 
   [[nodiscard]] std::size_t size() const { return ends_.empty() ? 0 : ends_.back(); }
   [[nodiscard]] std::size_t bytes() const { return size() * sizeof(Sample); }
-  [[nodiscard]] std::size_t data_set_count() const { return data_sets_.size(); }
 
   // Samples are numbered from the oldest data set to the newest. Requires index < size(). Valid
   // until the next Push.
   [[nodiscard]] const Sample& operator[](std::size_t index) const;
-  // A uniformly random sample. Requires size() > 0.
-  [[nodiscard]] const Sample& Draw(Rng& rng) const;
   // Every index once, in random order.
   [[nodiscard]] std::vector<std::uint32_t> ShuffledOrder(Rng& rng) const;
 

@@ -1,14 +1,18 @@
 #include "learner/report/dashboard.h"
 
 #include <charconv>
+#include <chrono>
 #include <string>
 
 #include "common/base/check.h"
+#include "learner/report/figures.h"
 #include "learner/report/metrics.h"
 #include "learner/report/status_json.h"
 
 namespace powderkeg {
 namespace {
+
+const HttpAddress kUsualAddress{.host = "127.0.0.1", .port = 8265};
 
 HttpReply Iterations(const HttpRequest& request, const IterationHistory& history) {
   int after = 0;
@@ -32,6 +36,10 @@ std::vector<HttpRoute> DashboardRoutes(const std::function<RunView()>& view,
        [](const HttpRequest&) {
          return HttpReply{.body = kDashboardPage, .type = "text/html; charset=utf-8"};
        }},
+      {"GET", "/figures.tsv",
+       [](const HttpRequest&) {
+         return HttpReply{.body = FiguresText(), .type = "text/tab-separated-values"};
+       }},
       {"GET", "/status.json",
        [view](const HttpRequest&) { return HttpReply{.body = StatusJson(view())}; }},
       {"GET", "/iterations.csv",
@@ -41,6 +49,23 @@ std::vector<HttpRoute> DashboardRoutes(const std::function<RunView()>& view,
          return HttpReply{.body = MetricsText(view()), .type = kMetricsType};
        }},
   };
+}
+
+std::optional<HttpServerSettings> DashboardServer(const std::string& text) {
+  if (text == "off") return std::nullopt;
+  const auto address = text == "auto" ? kUsualAddress : ParseHttpAddress(text);
+  if (!address) {
+    throw Error(StrCat("--http is '", text,
+                       "', expected ADDRESS:PORT with a port from 0 to 65535, auto or off"));
+  }
+  HttpServerSettings settings;
+  settings.address = *address;
+  settings.any_port_if_taken = text == "auto";
+  settings.threads = 4;
+  settings.max_waiting = 64;
+  settings.max_request_bytes = 1024;
+  settings.io_timeout = std::chrono::milliseconds(5000);
+  return settings;
 }
 
 }  // namespace powderkeg

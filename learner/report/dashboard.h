@@ -3,6 +3,8 @@
 // A run as it looks in a browser, and what the page and other programs ask for.
 
 #include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "common/http/http_server.h"
@@ -15,12 +17,17 @@ namespace powderkeg {
 extern const char* const kDashboardPage;
 
 //   GET /                        the page
+//   GET /figures.tsv             FiguresText: what there is to see
 //   GET /status.json             status_json.h
-//   GET /iterations.csv?after=N  IterationCsv: the rows of iterations later than N (0: all)
+//   GET /iterations.csv?after=N  IterationHistory: the rows of iterations later than N (0: all)
 //   GET /metrics                 metrics.h
 // Nothing of the run can be changed. `view` is called by several threads at once and must not wait
 // for long; the history must outlive the routes.
 [[nodiscard]] std::vector<HttpRoute> DashboardRoutes(const std::function<RunView()>& view,
                                                      const IterationHistory& history);
+
+// Where to serve it: ADDRESS:PORT, auto (127.0.0.1:8265 or, where that is taken, any free port) or
+// off (nullopt). Throws Error on any other text.
+[[nodiscard]] std::optional<HttpServerSettings> DashboardServer(const std::string& text);
 
 }  // namespace powderkeg

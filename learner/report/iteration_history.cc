@@ -1,39 +1,155 @@
 #include "learner/report/iteration_history.h"
 
 #include <algorithm>
-#include <fstream>
+#include <charconv>
+#include <cmath>
+#include <span>
+#include <sstream>
+#include <string_view>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/base/digest.h"
+#include "common/base/durable_file.h"
+#include "common/base/format.h"
+#include "common/base/log.h"
+#include "learner/report/figures.h"
 
 namespace powderkeg {
+namespace {
 
-IterationHistory::IterationHistory(const std::filesystem::path& csv) {
-  std::ifstream file(csv);
-  for (std::string line; std::getline(file, line);) {
-    if (const auto report = IterationCsv::Parse(line)) reports_.push_back(*report);
+using Cells = std::vector<std::string>;
+
+Cells CellsOf(std::string_view line) {
+  Cells cells(1);
+  for (const char c : line) {
+    if (c == ',') {
+      cells.emplace_back();
+    } else if (c != '\r' && c != '\n') {
+      cells.back() += c;
+    }
   }
+  return cells;
 }
 
+std::string LineOf(std::span<const std::string> cells) {
+  std::string line;
+  for (const std::string& cell : cells) (line += cell) += ',';
+  line.back() = '\n';
+  return line;
+}
+
+// All digits of a whole number, else six; nothing of what is absent.
+std::string Text(double value) {
+  if (!std::isfinite(value)) return "";
+  const bool whole = value == std::trunc(value) && std::abs(value) < 1e15;
+  return Format(whole ? "%.0f" : "%.6g", value);
+}
+
+// nullopt: the text is no number.
+std::optional<double> NumberIn(std::string_view cell) {
+  double number = kAbsent;
+  if (cell.empty()) return number;
+  const auto [end, error] = std::from_chars(cell.begin(), cell.end(), number);
+  if (error != std::errc() || end != cell.end()) return std::nullopt;
+  return number;
+}
+
+// The cells in the order of `columns`, empty where the header lacks one.
+Cells Ordered(const Cells& cells, const Cells& header, const Cells& columns) {
+  Cells ordered;
+  for (const std::string& column : columns) {
+    const auto place = static_cast<std::size_t>(std::ranges::find(header, column) - header.begin());
+    ordered.push_back(place < cells.size() ? cells[place] : "");
+  }
+  return ordered;
+}
+
+// The iteration of a row in the order of the figures; nullopt if it is damaged.
+std::optional<int> IterationOf(const Cells& row) {
+  for (std::size_t i = 0; i < IterationFigures().size(); ++i) {
+    if (!NumberIn(row[i])) return std::nullopt;
+  }
+  const double iteration = *NumberIn(row.front());
+  if (!(iteration >= 1 && iteration < 1e9) || iteration != std::trunc(iteration))
+    return std::nullopt;
+  return static_cast<int>(iteration);
+}
+
+}  // namespace
+
+IterationHistory::IterationHistory(std::filesystem::path path, int iterations_done)
+    : path_(std::move(path)) {
+  for (const Figure& figure : IterationFigures()) columns_.emplace_back(figure.name);
+  if (std::filesystem::exists(path_)) Read(iterations_done);
+  if (const std::size_t done = static_cast<std::size_t>(iterations_done); rows_.size() < done) {
+    log::Warn("the table lacks rows of finished iterations: their figures are lost", "table",
+              path_.string(), "missing", done - rows_.size(), "of", done);
+  }
+  Write();
+}
+
+void IterationHistory::Read(int iterations_done) {
+  const std::vector<std::uint8_t> bytes = ReadFileBytes(path_);
+  std::istringstream file(std::string(bytes.begin(), bytes.end()));
+  std::string line;
+  if (!std::getline(file, line)) return;
+  const Cells header = CellsOf(line);
+  if (header.front() != columns_.front()) {
+    throw Error(StrCat(path_.string(), " begins with '", header.front(),
+                       "', expected a table whose first column is ", columns_.front()));
+  }
+  std::ranges::copy_if(header, std::back_inserter(columns_), [this](const std::string& column) {
+    return std::ranges::find(columns_, column) == columns_.end();
+  });
+  int damaged = 0;
+  int later = 0;
+  while (std::getline(file, line)) {
+    const Cells cells = CellsOf(line);
+    const Cells row = Ordered(cells, header, columns_);
+    const auto iteration = IterationOf(row);
+    if (!iteration || cells.size() != header.size() || file.eof()) {
+      ++damaged;
+    } else if (*iteration > iterations_done) {
+      ++later;
+    } else {
+      rows_.insert_or_assign(*iteration, LineOf(row));
+    }
+  }
+  if (damaged == 0 && later <= 1) return;
+  WriteFileDurably(path_.string() + ".old", bytes);
+  log::Warn("rows go; the table as it was is kept beside it as .old", "table", path_.string(),
+            "damaged", damaged, "of_iterations_not_done", later);
+}
+
+void IterationHistory::Write() const { WriteFileDurably(path_, BytesOf(CsvAfter(0))); }
+
 void IterationHistory::Append(const IterationReport& report) {
-  const std::lock_guard lock(mutex_);
-  reports_.push_back(report);
+  Cells cells(columns_.size());
+  std::ranges::transform(ValuesOf(report), cells.begin(), Text);
+  {
+    const std::lock_guard lock(mutex_);
+    rows_.insert_or_assign(report.iteration, LineOf(cells));
+  }
+  Write();
 }
 
 std::string IterationHistory::CsvAfter(int iteration) const {
-  std::vector<IterationReport> later;
-  {
-    const std::lock_guard lock(mutex_);
-    const auto first =
-        std::ranges::upper_bound(reports_, iteration, {}, &IterationReport::iteration);
-    later.assign(first, reports_.end());
-  }
-  std::string text = IterationCsv::Header() + '\n';
-  for (const IterationReport& report : later) text += IterationCsv::Row(report) + '\n';
+  std::string text = LineOf(columns_);
+  const std::lock_guard lock(mutex_);
+  for (auto row = rows_.upper_bound(iteration); row != rows_.end(); ++row) text += row->second;
   return text;
 }
 
-std::optional<IterationReport> IterationHistory::last() const {
+std::optional<std::vector<double>> IterationHistory::last() const {
   const std::lock_guard lock(mutex_);
-  if (reports_.empty()) return std::nullopt;
-  return reports_.back();
+  if (rows_.empty()) return std::nullopt;
+  const Cells cells = CellsOf(rows_.rbegin()->second);
+  std::vector<double> values;
+  for (std::size_t i = 0; i < IterationFigures().size(); ++i) {
+    values.push_back(NumberIn(cells[i]).value_or(kAbsent));
+  }
+  return values;
 }
 
 }  // namespace powderkeg

@@ -1,34 +1,47 @@
 #pragma once
 
-// The iterations of a run from its beginning, for whoever asks while it goes on.
+// The iterations of a run from its beginning: the file iterations.csv, and for whoever asks.
 
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "learner/report/iteration_table.h"
+#include "learner/train/iteration_report.h"
 
 namespace powderkeg {
 
-// Thread-safe; nobody waits for a disk.
+// The file has a header, then one row for each iteration, and is whole at any moment. It is read by
+// its header: columns that it lacks are added, empty in its rows, and those that only it has are
+// kept. Thread-safe; nobody who asks waits for a disk.
 class IterationHistory {
  public:
-  // Begins with the rows of iterations.csv, if there is such a file. What is no row is left out.
-  explicit IterationHistory(const std::filesystem::path& csv);
+  // Reads the file, if there is one, and writes what it is from now on. Rows of iterations that are
+  // not done (and now repeated) go. Warns of rows that are damaged or missing; before any goes that
+  // cannot be had again the file is kept as PATH.old. Throws Error if it is no such file, which is
+  // then untouched, or cannot be written.
+  IterationHistory(std::filesystem::path path, int iterations_done);
 
-  // Iterations ascend.
+  // Iterations ascend. Durable when it returns; throws Error.
   void Append(const IterationReport& report);
 
-  // As in iterations.csv: the header, then a row for each iteration later than this one.
+  // As in the file: the header, then a row for each iteration later than this one.
   [[nodiscard]] std::string CsvAfter(int iteration) const;
 
-  [[nodiscard]] std::optional<IterationReport> last() const;
+  // Of IterationFigures(), to the six digits that are written; kAbsent where the file has none.
+  [[nodiscard]] std::optional<std::vector<double>> last() const;
 
  private:
-  mutable std::mutex mutex_;  // guards what follows
-  std::vector<IterationReport> reports_;
+  void Read(int iterations_done);
+  void Write() const;
+
+  const std::filesystem::path path_;
+  std::vector<std::string> columns_;  // every figure, then what only the file has
+
+  mutable std::mutex mutex_;         // guards what follows
+  std::map<int, std::string> rows_;  // by iteration
 };
 
 }  // namespace powderkeg

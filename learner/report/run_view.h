@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "learner/intake/session_server.h"
-#include "learner/report/iteration_table.h"
 #include "learner/report/live_status.h"
 
 namespace powderkeg {
@@ -17,7 +17,7 @@ struct RunView {
   std::int64_t started_unix_s = 0;  // the learner
   LiveStatus status{};
   IntakeStatistics intake{};
-  std::optional<IterationReport> last_iteration{};
+  std::optional<std::vector<double>> last_iteration{};  // of IterationFigures()
 };
 
 }  // namespace powderkeg

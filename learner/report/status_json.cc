@@ -1,9 +1,13 @@
 #include "learner/report/status_json.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string_view>
+#include <vector>
 
 #include "common/base/check.h"
+#include "learner/report/figures.h"
 
 namespace powderkeg {
 namespace {
@@ -29,55 +33,38 @@ void AddPhase(const LiveStatus& status, Json& json) {
   if (phase == Phase::kWaitingForGame) json["waiting_for"] = StrCat("game ", *status.straggler);
 }
 
-Json IntakeJson(const IntakeStatistics& intake) {
-  return {{"games", intake.games},
-          {"decisions", intake.decisions},
-          {"games_pending", intake.pending_games},
-          {"duplicates", intake.duplicates},
-          {"rejected", intake.rejected},
-          {"other_settings", intake.other_settings},
-          {"malformed", intake.malformed},
-          {"sessions_lost", intake.sessions_lost},
-          {"tickets_issued", intake.tickets_issued}};
+// Whole numbers without a point; null for what is no number.
+Json NumberJson(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  if (value == std::trunc(value)) return static_cast<std::int64_t>(value);
+  return value;
 }
 
-Json ActorJson(const ActorStatistics& actor) {
-  const Heartbeat& heartbeat = actor.heartbeat;
-  return {{"name", actor.name},
-          {"games", actor.games},
-          {"rejected", actor.rejected},
-          {"tickets", actor.tickets},
-          {"silence_ms", actor.silence.count()},
-          {"games_played", heartbeat.games},
-          {"decisions", heartbeat.decisions},
-          {"simulations", heartbeat.simulations},
-          {"evaluations", heartbeat.evaluations},
-          {"batches", heartbeat.batches},
-          {"games_running", heartbeat.games_running},
-          {"spool_games", heartbeat.outbox_games},
-          {"spool_bytes", heartbeat.outbox_bytes},
-          {"oldest_game_ms", heartbeat.oldest_game.count()},
-          {"weights_version", heartbeat.weights_version}};
+template <typename Source>
+void AddFigures(std::span<const LiveFigure<Source>> figures, const Source& source, Json& json) {
+  for (const auto& figure : figures) json[figure.name] = NumberJson(figure.value(source));
+}
+
+Json IterationJson(const std::vector<double>& values) {
+  Json json;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    json[IterationFigures()[i].name] = NumberJson(values[i]);
+  }
+  return json;
 }
 
 }  // namespace
 
 std::string StatusJson(const RunView& view) {
-  const LiveStatus& status = view.status;
   Json json = {{"run", view.run}, {"started_unix_s", view.started_unix_s}};
-  AddPhase(status, json);
-  json["iterations_done"] = status.iterations_done;
-  json["iterations"] = status.iterations;
-  json["decisions"] = status.decisions;
-  json["decisions_wanted"] = status.decisions_wanted;
-  json["decisions_beyond"] = status.decisions_beyond;
-  json["samples"] = status.samples;
-  json["samples_wanted"] = status.samples_wanted;
-  json["intake"] = IntakeJson(view.intake);
+  AddPhase(view.status, json);
+  AddFigures(RunFigures(), view.status, json);
+  AddFigures(IntakeFigures(), view.intake, json["intake"]);
   json["actors"] = Json::array();
   for (const ActorStatistics& actor : view.intake.actors) {
-    json["actors"].push_back(ActorJson(actor));
+    AddFigures(ActorFigures(), actor, json["actors"].emplace_back(Json{{"name", actor.name}}));
   }
+  if (view.last_iteration) json["last_iteration"] = IterationJson(*view.last_iteration);
   return json.dump(/*indent=*/-1, ' ', /*ensure_ascii=*/false, Json::error_handler_t::replace);
 }
 

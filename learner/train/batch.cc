@@ -50,7 +50,8 @@ void BuildBatch(const GameSettings& settings, const TargetSettings& targets,
       policy[static_cast<std::size_t>(Transform(symmetry, static_cast<Action>(action)))] =
           target[action];
     }
-    const auto search_weight = static_cast<float>(targets.search_value_weight);
+    const auto search_weight =
+        sample.searched ? static_cast<float>(targets.search_value_weight) : 0.0F;
     const float outcome =
         ValueOf(targets.outcome_values, sample.outcome, sample.end_step, settings.max_steps);
     batch.values[i] = (1 - search_weight) * outcome + search_weight * sample.search_value;

@@ -9,7 +9,7 @@
 #include "common/base/rng.h"
 #include "common/model/outcome_value.h"
 #include "common/pommerman/game_settings.h"
-#include "learner/replay/samples.h"
+#include "learner/replay/lessons.h"
 
 namespace powderkeg {
 
@@ -25,7 +25,8 @@ struct TrainingBatch {
 struct TargetSettings {
   double argmax_weight = 0;        // of onehot(argmax pi) in the policy's target
   OutcomeValues outcome_values{};  // z
-  double search_value_weight = 0;  // of the search's root value in the value's target, beside z
+  double search_value_weight = 0;  // of the search's root value in the value's target, beside z;
+                                   // demonstrations have none
 };
 
 // pi' = (1 - weight) pi + weight onehot(argmax pi), where pi is the visits' distribution; the

@@ -130,6 +130,18 @@ Checkpoint DeserializeCheckpoint(std::span<const std::uint8_t> bytes) {
   return checkpoint;
 }
 
+TrainerState LoadFirstState(const std::string& name) {
+  TrainerState state;
+  if (name.ends_with(kEnding)) {
+    state = DeserializeCheckpoint(ReadFileBytes(name)).trainer;
+  } else {
+    state.weights = *LoadModel(name);
+    state.weights.canary = {};
+  }
+  state.weights.version = 1;
+  return state;
+}
+
 CheckpointFolder::CheckpointFolder(fs::path folder, int kept)
     : folder_(std::move(folder)), kept_(static_cast<std::size_t>(kept)) {
   CHECK(kept > 0);

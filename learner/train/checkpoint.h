@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "learner/replay/prefix.h"
@@ -27,6 +28,10 @@ struct Checkpoint {
 [[nodiscard]] std::vector<std::uint8_t> Serialize(const Checkpoint& checkpoint);
 // Throws Error that says what is wrong.
 [[nodiscard]] Checkpoint DeserializeCheckpoint(std::span<const std::uint8_t> bytes);
+
+// What a run can start from: a .checkpoint file with its optimizer, or a weights file without one
+// (or untrained:NETWORK, as LoadModel). Version 1, no canary. Throws Error.
+[[nodiscard]] TrainerState LoadFirstState(const std::string& name);
 
 // A folder of checkpoints `iteration-<number>.checkpoint`. One thread.
 class CheckpointFolder {

@@ -20,22 +20,17 @@ constexpr auto kTrainLogInterval = std::chrono::seconds(60);
 
 // Purposes of the generators split from the run's seed: iteration k uses k.
 constexpr std::uint64_t kInitialWeights = 0;
+constexpr std::uint64_t kHeldOut = std::uint64_t{1} << 32;
 
 Schedule MakeSchedule(const TrainingConfig& training, std::vector<TicketRange> data_sets) {
   return {training.iterations, static_cast<std::uint64_t>(training.decisions_per_iteration),
           training.window_datasets, std::move(data_sets)};
 }
 
-// The weights that a new run starts from.
-TrainerState InitialState(const LearnerLoopSettings& settings) {
+TrainerState UntrainedState(const LearnerLoopSettings& settings) {
   TrainerState state;
-  if (settings.initial_weights) {
-    state.weights = *settings.initial_weights;
-    state.weights.canary = {};
-  } else {
-    state.weights = InitialWeights(NetworkByName(settings.training.network),
-                                   Rng(settings.seed).Split(kInitialWeights));
-  }
+  state.weights = InitialWeights(NetworkByName(settings.training.network),
+                                 Rng(settings.seed).Split(kInitialWeights));
   state.weights.version = 1;
   return state;
 }
@@ -46,13 +41,15 @@ void ExpectNetwork(const TrainerState& state, const std::string& name) {
                      ", but the weights to go on from are of another network"));
 }
 
-IterationReport MakeReport(int iteration, const PlaySummary& play, const TrainingResult& training) {
+IterationReport MakeReport(int iteration, const DataSet& data_set, const TrainingResult& training) {
+  const PlaySummary& play = data_set.play;
   const double games = std::max(1.0, static_cast<double>(play.games));
   IterationReport report;
   report.iteration = iteration;
   report.games = play.games;
   report.decisions = play.decisions;
   report.score = play.score;
+  report.exams = data_set.exam.score;
   report.mean_steps = static_cast<double>(play.steps) / games;
   for (std::size_t i = 0; i < play.actions.size(); ++i) {
     report.action_shares[i] =
@@ -65,6 +62,13 @@ IterationReport MakeReport(int iteration, const PlaySummary& play, const Trainin
   report.policy_accuracy = training.policy_accuracy;
   report.samples_per_s = training.samples_per_s;
   return report;
+}
+
+void AddHeldOut(const TrainingResult& measured, IterationReport& report) {
+  report.held_out_samples = measured.samples;
+  report.held_out_policy_loss = measured.policy_loss;
+  report.held_out_value_loss = measured.value_loss;
+  report.held_out_accuracy = measured.policy_accuracy;
 }
 
 }  // namespace
@@ -103,20 +107,27 @@ LearnerLoop::LearnerLoop(LearnerLoopSettings settings, LearnerLoopHooks hooks)
       window_(settings_.training.window_datasets, settings_.window_bytes),
       schedule_(MakeSchedule(settings_.training, {})) {
   PrepareFolder(settings_.folder / "weights");
-  TrainerState state;
-  if (std::optional<Checkpoint> checkpoint = checkpoints_.LoadNewest()) {
-    log::Info("resuming", "iterations_done", checkpoint->iteration(), "samples_seen",
-              checkpoint->trainer.samples_seen);
-    schedule_ = MakeSchedule(settings_.training, std::move(checkpoint->data_sets));
-    state = std::move(checkpoint->trainer);
-  } else {
-    state = InitialState(settings_);
-  }
+  TrainerState state = FirstOrNewestState();
   ExpectNetwork(state, settings_.training.network);
   version_ = state.weights.version;
   trainer_ = std::make_unique<Trainer>(
       TrainerSettings{settings_.training, settings_.game, settings_.precision}, state);
-  csv_.emplace(settings_.folder / "iterations.csv", schedule_.iteration() + 1);
+}
+
+// Given weights are a checkpoint before the first iteration: from now on the run has them.
+TrainerState LearnerLoop::FirstOrNewestState() {
+  std::optional<Checkpoint> checkpoint = checkpoints_.LoadNewest();
+  if (!checkpoint && settings_.first) {
+    ExpectNetwork(*settings_.first, settings_.training.network);
+    checkpoint = Checkpoint{.data_sets = {}, .trainer = *settings_.first};
+    checkpoints_.Save(*checkpoint);
+  }
+  if (!checkpoint) return UntrainedState(settings_);
+  first_weights_ = FirstWeights::kGiven;
+  log::Info("resuming", "iterations_done", checkpoint->iteration(), "samples_seen",
+            checkpoint->trainer.samples_seen);
+  schedule_ = MakeSchedule(settings_.training, std::move(checkpoint->data_sets));
+  return std::move(checkpoint->trainer);
 }
 
 LearnerLoop::~LearnerLoop() = default;
@@ -126,9 +137,9 @@ bool LearnerLoop::Wants(std::uint64_t ticket) const {
   return schedule_.UseOf(ticket) != Schedule::Use::kNone;
 }
 
-void LearnerLoop::Add(GameRecord&& game) {
+void LearnerLoop::Add(Lessons&& game) {
   const std::lock_guard lock(mutex_);
-  const auto decisions = static_cast<std::uint32_t>(game.decisions.size());
+  const auto decisions = static_cast<std::uint32_t>(game.samples.size());
   const Schedule::Use use = schedule_.Add(game.ticket, decisions);
   if (use == Schedule::Use::kNone || (use == Schedule::Use::kWindow && window_restored_)) return;
   games_.emplace(game.ticket, std::move(game));
@@ -154,45 +165,44 @@ void LearnerLoop::Run(const std::stop_token& stop) {
   Publish(trainer_->state(version_));
   while (!stop.stop_requested() && !schedule_.finished()) {
     const Clock::time_point start = Clock::now();
-    const auto games = NextGames(stop);
-    if (!games || !RunIteration(*games, Clock::now() - start, stop)) return;
+    auto data_set = NextDataSet(stop);
+    if (!data_set || !RunIteration(*std::move(data_set), Clock::now() - start, stop)) return;
   }
 }
 
 void LearnerLoop::RestoreWindow() {
-  for (const TicketRange& range : schedule_.WindowOfNext()) {
-    std::vector<GameRecord> games;
-    {
-      // Not while they are re-played: the intake asks GamesWanted.
-      const std::lock_guard lock(mutex_);
-      games = TakeGames(range);
-    }
-    DataSet data_set;
-    for (const GameRecord& game : games) AddGame(game, data_set);
-    window_.Push(std::move(data_set.samples));
-  }
   const std::lock_guard lock(mutex_);
+  for (const TicketRange& range : schedule_.WindowOfNext()) {
+    window_.Push(TakeDataSet(range).samples);
+  }
   window_restored_ = true;
 }
 
-std::vector<GameRecord> LearnerLoop::TakeGames(const TicketRange& range) {
-  std::vector<GameRecord> games;
+DataSet LearnerLoop::TakeDataSet(const TicketRange& range) {
+  DataSet data_set;
   for (std::uint64_t ticket = range.first; ticket <= range.last; ++ticket) {
     auto game = games_.extract(ticket);
     if (game.empty()) {
       throw Error(StrCat("the game of ticket ", ticket,
                          " belongs to an iteration of the checkpoint but is not in the store"));
     }
-    games.push_back(std::move(game.mapped()));
+    data_set.Add(std::move(game.mapped()), PartOf(ticket));
   }
-  return games;
+  return data_set;
 }
 
-std::optional<std::vector<GameRecord>> LearnerLoop::NextGames(const std::stop_token& stop) {
+// Drawn by the ticket, so that a game that was held out once is held out ever after.
+DataSet::Part LearnerLoop::PartOf(std::uint64_t ticket) const {
+  Rng rng = Rng(settings_.seed).Split(kHeldOut).Split(ticket);
+  return rng.Uniform() < settings_.training.held_out_share ? DataSet::Part::kHeldOut
+                                                           : DataSet::Part::kTraining;
+}
+
+std::optional<DataSet> LearnerLoop::NextDataSet(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   WaitLog wait_log(schedule_.progress());
   while (!stop.stop_requested()) {
-    if (const auto range = schedule_.StartIteration()) return TakeGames(*range);
+    if (const auto range = schedule_.StartIteration()) return TakeDataSet(*range);
     const std::uint64_t wanted = schedule_.decisions_per_iteration();
     games_added_.wait_for(lock, stop, kWaitLogInterval,
                           [&] { return schedule_.progress().decisions_in_prefix >= wanted; });
@@ -201,20 +211,18 @@ std::optional<std::vector<GameRecord>> LearnerLoop::NextGames(const std::stop_to
   return std::nullopt;
 }
 
-bool LearnerLoop::RunIteration(const std::vector<GameRecord>& games, Seconds waited,
-                               const std::stop_token& stop) {
+bool LearnerLoop::RunIteration(DataSet data_set, Seconds waited, const std::stop_token& stop) {
   const Clock::time_point start = Clock::now();
   const int iteration = schedule_.iteration();
-  DataSet data_set;
-  for (const GameRecord& game : games) AddGame(game, data_set);
   window_.Push(std::move(data_set.samples));
   const TrainingResult result = Train(iteration, stop);
   if (!result.finished) return false;
 
-  IterationReport report = MakeReport(iteration, data_set.summary, result);
+  IterationReport report = MakeReport(iteration, data_set, result);
+  if (!data_set.held_out.empty()) AddHeldOut(trainer_->Measure(data_set.held_out), report);
   report.waited_s = waited.count();
   report.trained_s = Seconds(Clock::now() - start).count();
-  csv_->Append(report);
+  hooks_.iteration_trained(report);
   const TrainerState state = trainer_->state(version_ + 1);
   checkpoints_.Save({.data_sets = schedule_.data_sets(), .trainer = state});
   {
@@ -223,11 +231,6 @@ bool LearnerLoop::RunIteration(const std::vector<GameRecord>& games, Seconds wai
     training_progress_ = {};
   }
   Publish(state);
-  log::Info("iteration done", "iteration", iteration, "games", report.games, "decisions",
-            report.decisions, "wins", report.score.wins, "ties", report.score.ties, "losses",
-            report.score.losses, "loss", report.total_loss, "policy_accuracy",
-            report.policy_accuracy, "samples_per_s", std::llround(report.samples_per_s), "waited_s",
-            report.waited_s, "trained_s", report.trained_s);
   hooks_.iteration_done(report);
   return true;
 }
@@ -254,9 +257,8 @@ void LearnerLoop::Publish(const TrainerState& state) {
   std::ostringstream name;
   name << "version-" << std::setw(6) << std::setfill('0') << snapshot->version << ".weights";
   SaveSnapshot(*snapshot, (settings_.folder / "weights" / name.str()).string());
-  const auto first = settings_.initial_weights ? FirstWeights::kGiven : FirstWeights::kUntrained;
   const int iterations_done = static_cast<int>(snapshot->version) - 1;
-  hooks_.publish(VersionToPlay(iterations_done, first) == 0 ? nullptr : snapshot);
+  hooks_.publish(VersionToPlay(iterations_done, first_weights_) == 0 ? nullptr : snapshot);
 }
 
 }  // namespace powderkeg

@@ -17,10 +17,10 @@
 
 #include "common/config/run_config.h"
 #include "common/model/weights_snapshot.h"
-#include "learner/replay/samples.h"
+#include "learner/replay/lessons.h"
 #include "learner/replay/window.h"
-#include "learner/report/iteration_table.h"
 #include "learner/train/checkpoint.h"
+#include "learner/train/iteration_report.h"
 #include "learner/train/schedule.h"
 #include "learner/train/trainer.h"
 
@@ -29,18 +29,21 @@ namespace powderkeg {
 struct LearnerLoopSettings {
   TrainingConfig training;
   GameSettings game;             // of every game of the run
-  std::filesystem::path folder;  // runs/<name>; holds checkpoints/, weights/, iterations.csv
+  std::filesystem::path folder;  // runs/<name>; holds checkpoints/, weights/
   std::uint64_t seed = 1;        // of the initial weights, the order of samples, the symmetries
-  Snapshot initial_weights;      // nullptr: untrained ones of training.network
+  std::optional<TrainerState> first;   // that a new run starts from; none: untrained weights
   std::optional<Precision> precision;  // see TrainerSettings
   std::size_t window_bytes = std::size_t{8} << 30;
 };
 
-// Both are called on the thread of Run.
+// All are called on the thread of Run.
 struct LearnerLoopHooks {
   // New weights for the actors: once at the start of Run, null if there are none to play with yet,
   // then per iteration.
   std::function<void(const Snapshot&)> publish = [](const Snapshot&) {};
+  // Before the checkpoint of an iteration, without which it is repeated, and reported again: what
+  // is written of it here is there once it counts as complete.
+  std::function<void(const IterationReport&)> iteration_trained = [](const IterationReport&) {};
   // After an iteration is complete and durable: a good moment to have the store merged (by the
   // store's own thread).
   std::function<void(const IterationReport&)> iteration_done = [](const IterationReport&) {};
@@ -55,8 +58,8 @@ struct LearnerLoopHooks {
 //         known.push_back(ticket);
 //         return loop.Wants(ticket);
 //       },
-//       [&](GameRecord&& game) { loop.Add(std::move(game)); });
-//   intake.on_durable = [&](GameRecord&& game) { loop.Add(std::move(game)); };
+//       [&](GameRecord&& game) { loop.Add(std::get<Lessons>(MakeLessons(game))); });
+//   pass loop.Add(lessons) for each game that the intake made durable;
 //   Worker trainer("trainer", [&](const std::stop_token& stop) { loop.Run(stop); });
 // and let no more games be in play than loop.GamesWanted().
 //
@@ -74,9 +77,9 @@ class LearnerLoop {
   // Whether a game is needed that may have been stored long ago: Add would ignore any other.
   [[nodiscard]] bool Wants(std::uint64_t ticket) const;
 
-  // A verified game that is durable. Doubles and games of finished iterations are ignored. Does not
-  // wait, not even while training.
-  void Add(GameRecord&& game);
+  // The lessons of a game that is durable. Doubles and games of finished iterations are ignored.
+  // Does not wait, not even while training.
+  void Add(Lessons&& game);
 
   // How many games, besides those added, are worth playing now (Schedule::GamesWanted): more would
   // be of old weights when their turn comes. Tickets of games that were lost must be handed out
@@ -100,29 +103,30 @@ class LearnerLoop {
   using Seconds = std::chrono::duration<double>;
   class WaitLog;
 
+  [[nodiscard]] TrainerState FirstOrNewestState();
   void RestoreWindow();
-  // Waits for the games of the next data set; nullopt if stopped.
-  [[nodiscard]] std::optional<std::vector<GameRecord>> NextGames(const std::stop_token& stop);
-  [[nodiscard]] std::vector<GameRecord> TakeGames(const TicketRange& range);
-  // One iteration with the games of its data set; false if stopped.
-  bool RunIteration(const std::vector<GameRecord>& games, Seconds waited,
-                    const std::stop_token& stop);
+  // Waits for the games of the next iteration; nullopt if stopped.
+  [[nodiscard]] std::optional<DataSet> NextDataSet(const std::stop_token& stop);
+  [[nodiscard]] DataSet TakeDataSet(const TicketRange& range);
+  [[nodiscard]] DataSet::Part PartOf(std::uint64_t ticket) const;
+  // One iteration on its data set; false if stopped.
+  bool RunIteration(DataSet data_set, Seconds waited, const std::stop_token& stop);
   [[nodiscard]] TrainingResult Train(int iteration, const std::stop_token& stop);
   void Publish(const TrainerState& state);
 
   const LearnerLoopSettings settings_;
   const LearnerLoopHooks hooks_;
   CheckpointFolder checkpoints_;
+  FirstWeights first_weights_ = FirstWeights::kUntrained;
   std::uint32_t version_ = 1;  // of the trainer's weights
   std::unique_ptr<Trainer> trainer_;
   ReplayWindow window_;
-  std::optional<IterationCsv> csv_;
 
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable_any games_added_;
-  Schedule schedule_;                          // iterations are started by the thread of Run alone
-  std::map<std::uint64_t, GameRecord> games_;  // by ticket: of the next data sets, and, until the
-                                               // window is restored, of the completed ones in it
+  Schedule schedule_;                       // iterations are started by the thread of Run alone
+  std::map<std::uint64_t, Lessons> games_;  // by ticket: of the next data sets, and, until the
+                                            // window is restored, of the completed ones in it
   bool window_restored_ = false;
   TrainingProgress training_progress_;
 };

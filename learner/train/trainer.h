@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 
@@ -56,10 +57,15 @@ class Trainer {
   void SetLearningRate(double learning_rate);
 
   // Trains for settings.epochs passes over the window, each in a new random order, in whole
-  // batches (at least one). Calls `progress` after every batch. Requires a window that is not
-  // empty. Throws Error if the loss is not finite.
+  // batches (at least one). Large batches are computed in slices (normalised slice by slice), and
+  // `progress` is called, and a stop noticed, after each: the batch then changes no weight.
+  // Requires a window that is not empty. Throws Error if the loss is not finite, and warns if it is
+  // far above that of guessing.
   TrainingResult Train(const ReplayWindow& window, Rng rng, const std::stop_token& stop,
                        const std::function<void(const TrainingProgress&)>& progress);
+
+  // The losses of samples that are not trained on, each turned by one symmetry.
+  [[nodiscard]] TrainingResult Measure(std::span<const Sample> samples);
 
   // The state with the weights as `version`; waits for the device.
   [[nodiscard]] TrainerState state(std::uint32_t version) const;

@@ -18,7 +18,7 @@
 #include "common/base/digest.h"
 #include "common/model/planes.h"
 #include "common/model/weights_snapshot.h"
-#include "common/pommerman/board_text.h"
+#include "tests/pommerman/board_reader.h"
 
 namespace powderkeg {
 namespace {
@@ -171,7 +171,7 @@ TEST_F(ArenaProgram, StopsWithThePositionWhereANetworkAnswersNoNumber) {
   ExpectRefused("--precision fp32 --games 50 --agent " + agent + " --position-file " + position,
                 "agent " + agent + ": evaluator ", /*progress_lines=*/1);
   const State state = FromText(TextOf("position.txt"));
-  EXPECT_GT(state.AliveCount(), 1);
+  EXPECT_GT(state.AgentCells().Count(), 1);
 }
 
 TEST_F(ArenaProgram, RefusesFilesThatItCannotWrite) {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "actors/arena/elo.h"
-#include "actors/arena/progress.h"
+#include "actors/arena/match_progress.h"
 
 namespace powderkeg {
 namespace {
@@ -43,6 +43,7 @@ PlayedGame GameWith(int number, int outcome, int steps) {
   PlayedGame game;
   game.number = number;
   game.outcomes[0] = static_cast<std::int8_t>(outcome);
+  game.died[0] = outcome <= 0;
   game.steps = steps;
   game.statistics[0] = SomeStatistics();
   return game;
@@ -66,6 +67,8 @@ Match MatchOf(const std::vector<int>& outcomes) {
 TEST(Summary, HoldsTheFiguresOfAMatch) {
   const MatchSummary summary = Summarize(MatchSettings(), MatchOf({1, 1, 0, -1}));
   EXPECT_EQ(summary.score, (MatchScore{.wins = 2, .ties = 1, .losses = 1}));
+  EXPECT_EQ(summary.deaths, 2u);
+  EXPECT_EQ(summary.agents, 4u);
   EXPECT_DOUBLE_EQ(summary.elo.elo, EloFromPoints(2.25 / 4, 4));
   EXPECT_DOUBLE_EQ(summary.steps.mean(), 101.5);
   EXPECT_DOUBLE_EQ(summary.moves_per_game, 10);
@@ -90,11 +93,14 @@ TEST(Summary, MeansOverBothSeatsOfAnAgentThatIsItsOwnMate) {
   for (PlayedGame& game : match.games) {
     game.statistics[2] = SomeStatistics();
     game.statistics[2].bombs = 5;
+    game.died[2] = true;
   }
   const MatchSettings team{.game = GameSettingsFor("PommeTeamCompetition-v0").value()};
   const MatchSummary summary = Summarize(team, match);
   EXPECT_DOUBLE_EQ(summary.moves_per_game, 10);
   EXPECT_DOUBLE_EQ(summary.bombs_per_game, 4);
+  EXPECT_EQ(summary.deaths, 3u);
+  EXPECT_EQ(summary.agents, 4u);
   EXPECT_NEAR(summary.elo.elo, 0, 1e-9);
 }
 
@@ -151,7 +157,7 @@ TEST(Report, ShowsFiguresToPeople) {
   EXPECT_THAT(text, HasSubstr("against the first, board by board: win +0.000 [+0.000, +0.000]"));
   EXPECT_THAT(text, HasSubstr("Elo +0 [+0, +0]"));
   EXPECT_THAT(text, HasSubstr("question win_rate=0.1..0.9: 0.9 after 2 games"));
-  EXPECT_THAT(text, HasSubstr("\n 0.500 [0.150, 0.850]   0.250   0.250   +235"));
+  EXPECT_THAT(text, HasSubstr("\n 0.500 [0.150, 0.850]   0.250   0.250   0.500   +235"));
   EXPECT_THAT(ReportText(std::vector{SomeContenders()[0]}), Not(HasSubstr("kicks  kills")));
 }
 
@@ -217,13 +223,13 @@ TEST(TableCsv, PutsAgentsThatDifferInSimulationsAloneIntoASeries) {
 }
 
 TEST(GamesCsv, HasALineForEachGame) {
-  EXPECT_THAT(GamesCsv(SomeContenders()), HasSubstr("\n\"idle\",3,0,0,-1,103,10,800,3,2,1,1\n"));
+  EXPECT_THAT(GamesCsv(SomeContenders()), HasSubstr("\n\"idle\",3,0,0,-1,1,103,10,800,3,2,1,1\n"));
 }
 
-TEST(Progress, PrintsPlainLinesAtMostEveryTenSecondsAndTheLastOne) {
+TEST(MatchProgress, PrintsPlainLinesAtMostEveryTenSecondsAndTheLastOne) {
   std::ostringstream out;
-  const Progress::Clock::time_point start;
-  Progress progress(out, Progress::Style::kPlain, "idle", /*games=*/4);
+  const MatchProgress::Clock::time_point start;
+  MatchProgress progress(out, MatchProgress::Style::kPlain, "idle", /*games=*/4);
   progress.Start(start);
   progress.AddGame(GameWith(0, 1, 100), start + 1s);
   progress.AddGame(GameWith(1, 1, 100), start + 11s);
@@ -236,10 +242,10 @@ TEST(Progress, PrintsPlainLinesAtMostEveryTenSecondsAndTheLastOne) {
             "4/4  win 0.500 [0.150, 0.850]  tie 0.250  loss 0.250  0 s left\n");
 }
 
-TEST(Progress, WritesOverOneLineOnATerminal) {
+TEST(MatchProgress, WritesOverOneLineOnATerminal) {
   std::ostringstream out;
-  const Progress::Clock::time_point start;
-  Progress progress(out, Progress::Style::kTerminal, "idle", /*games=*/2);
+  const MatchProgress::Clock::time_point start;
+  MatchProgress progress(out, MatchProgress::Style::kTerminal, "idle", /*games=*/2);
   progress.Start(start);
   progress.AddGame(GameWith(0, 1, 100), start + 1s);
   progress.AddGame(GameWith(1, 1, 100), start + 2s);
@@ -249,10 +255,10 @@ TEST(Progress, WritesOverOneLineOnATerminal) {
   EXPECT_EQ(out.str().back(), '\n');
 }
 
-TEST(Progress, LeavesPausesOutOfTheTimeAndShowsTheTest) {
+TEST(MatchProgress, LeavesPausesOutOfTheTimeAndShowsTheTest) {
   std::ostringstream out;
-  const Progress::Clock::time_point start;
-  Progress progress(out, Progress::Style::kTerminal, "idle", /*games=*/4);
+  const MatchProgress::Clock::time_point start;
+  MatchProgress progress(out, MatchProgress::Style::kTerminal, "idle", /*games=*/4);
   progress.Start(start);
   progress.AddGame(GameWith(0, 1, 100), start + 10s);
   progress.Pause(start + 10s);

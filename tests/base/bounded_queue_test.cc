@@ -13,10 +13,10 @@ using std::chrono::milliseconds;
 TEST(BoundedQueueTest, GivesValuesInOrder) {
   BoundedQueue<int> queue(3);
   for (int value : {1, 2, 3}) EXPECT_EQ(queue.TryPush(std::move(value)), QueueResult::kOk);
-  EXPECT_EQ(queue.TryPop(), 1);
-  EXPECT_EQ(queue.TryPop(), 2);
-  EXPECT_EQ(queue.TryPop(), 3);
-  EXPECT_EQ(queue.TryPop(), std::nullopt);
+  EXPECT_EQ(queue.Pop(milliseconds(0)), 1);
+  EXPECT_EQ(queue.Pop(milliseconds(0)), 2);
+  EXPECT_EQ(queue.Pop(milliseconds(0)), 3);
+  EXPECT_EQ(queue.Pop(milliseconds(0)), std::nullopt);
 }
 
 TEST(BoundedQueueTest, KeepsTheValueOfAPushThatFoundNoRoom) {
@@ -34,7 +34,7 @@ TEST(BoundedQueueTest, CloseRefusesPushesAndLetsTheRestOut) {
   queue.Close();
   EXPECT_EQ(queue.TryPush(8), QueueResult::kClosed);
   EXPECT_FALSE(queue.drained());
-  EXPECT_EQ(queue.TryPop(), 7);
+  EXPECT_EQ(queue.Pop(milliseconds(0)), 7);
   EXPECT_TRUE(queue.drained());
 }
 

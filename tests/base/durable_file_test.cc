@@ -2,14 +2,34 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <string>
 
 #include "common/base/check.h"
 #include "common/base/digest.h"
+
+namespace {
+
+int folder_error = 0;  // what fsync answers for folders
+
+}  // namespace
+
+// Stands before the system's function for this whole program.
+extern "C" int fsync(int file) {
+  struct stat status {};
+  if (folder_error != 0 && fstat(file, &status) == 0 && S_ISDIR(status.st_mode)) {
+    errno = folder_error;
+    return -1;
+  }
+  return static_cast<int>(syscall(SYS_fsync, file));
+}
 
 namespace powderkeg {
 namespace {
@@ -61,6 +81,22 @@ TEST_F(DurableFileTest, AFullDiskIsAnErrorThatLeavesTheOldFileAlone) {
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
   EXPECT_EQ(Contents(), "first");
   EXPECT_EQ(FilesIn(folder_), std::vector<fs::path>{path_}) << "half a file is left";
+}
+
+// Some network, FUSE and WSL file systems.
+TEST_F(DurableFileTest, AFileSystemThatFlushesNoFoldersIsSaidOnceAndUsed) {
+  testing::internal::CaptureStderr();
+  for (const int error : {EINVAL, ENOTSUP, ENOSYS}) {
+    folder_error = error;
+    WriteFileDurably(path_, BytesOf(StrCat(error)));
+    EXPECT_EQ(Contents(), StrCat(error));
+  }
+  folder_error = EIO;
+  EXPECT_THROW(SyncFolder(folder_), Error);
+  folder_error = 0;
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_NE(log.find("flushes no folders"), std::string::npos) << log;
+  EXPECT_EQ(std::ranges::count(log, '\n'), 1) << log;
 }
 
 TEST_F(DurableFileTest, WhatCannotBeReadIsAnError) {

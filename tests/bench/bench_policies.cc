@@ -95,9 +95,9 @@ GameRecord RecordOf(std::uint64_t seed) {
   PlayGame(record.setup, record.outcome, [&](const State& state, const JointAction& actions) {
     record.actions.push_back(actions);
     if (!state.agents[0].alive) return;
-    record.decisions.push_back({.step = state.step, .agent = 0, .visits = {1}});
+    record.tracks[0].decisions.push_back({.step = state.step, .visits = {1}});
   });
-  record.setup.seats[0].searches = true;
+  record.setup.seats[0] = {.searches = true, .teaches = Teaches::kSearch, .measured = true};
   return record;
 }
 
@@ -108,7 +108,7 @@ BenchFigure BenchVerify() {
     const GameRecord& record = records[call % records.size()];
     const auto refusal = Verify(record);
     CHECK(!refusal, *refusal);
-    return static_cast<long>(record.decisions.size());
+    return static_cast<long>(DecisionCount(record));
   };
   return {"verify.simple_unbiased", Rate(verify), "decisions/s"};
 }

@@ -126,7 +126,7 @@ std::vector<BenchFigure> BenchStep() {
   };
   std::uint64_t seed = 0;
   const auto generate = [&] {
-    return GenerateStart(settings, StartSettings{}, Rng(seed++)).AliveCount() / kAgentCount;
+    return GenerateStart(settings, StartSettings{}, Rng(seed++)).AgentCells().Count() / kAgentCount;
   };
   return {{"step.step", ReplayRate(games, step), "steps/s"},
           {"step.step_and_outcome", ReplayRate(games, advance), "steps/s"},

@@ -50,7 +50,7 @@ Prepared Prepare(const SelfPlayConfig& config) {
   for (std::uint64_t ticket = 0; ticket < kGames; ++ticket) {
     const GameRecord record = PlayTicket(config, ticket);
     prepared.games.push_back(Seal(record, SettingsDigest(config)));
-    prepared.decisions += record.decisions.size();
+    prepared.decisions += DecisionCount(record);
     prepared.bytes += prepared.games.back().record.size();
   }
   return prepared;
@@ -133,10 +133,9 @@ double MeasureIntake(const SelfPlayConfig& config, const Prepared& prepared,
   settings.run_id = "bench";
   settings.self_play = config;
   SessionServer server(settings, ListenZmq({.endpoint = endpoint}),
-                       [&](std::vector<GameRecord> games) {
-                         const std::size_t count = games.size();
-                         append(std::move(games));
-                         stored += count;
+                       [&](const std::vector<GameRecord>& games, std::vector<Lessons> lessons) {
+                         append(games, std::move(lessons));
+                         stored += games.size();
                        });
   while (stored < kGames && !server.failed() && Clock::now() < deadline) {
     std::this_thread::sleep_for(milliseconds(5));
@@ -155,11 +154,11 @@ std::vector<BenchFigure> BenchWire() {
   const Prepared prepared = Prepare(config);
   const auto decisions = static_cast<double>(prepared.decisions);
   const double memory_s =
-      MeasureIntake(config, prepared, [](const std::vector<GameRecord>& /*games*/) {});
+      MeasureIntake(config, prepared, [](const auto& /*games*/, const auto& /*lessons*/) {});
   const TemporaryFolder folder;
   ReplayStore store(folder.path());
   const double hdf5_s = MeasureIntake(
-      config, prepared, [&](const std::vector<GameRecord>& games) { store.Append(games); });
+      config, prepared, [&](const auto& games, const auto& /*lessons*/) { store.Append(games); });
   return {{"bytes_per_decision", static_cast<double>(prepared.bytes) / decisions, "bytes"},
           {"ingest_hdf5", decisions / hdf5_s, "decisions/s"},
           {"ingest_per_core", decisions / memory_s, "decisions/s"}};

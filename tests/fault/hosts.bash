@@ -1,11 +1,10 @@
 # shellcheck shell=bash disable=SC2034,SC2154
 # Hosts for a test, on one machine: network namespaces on a bridge, as machines at a switch. To be
-# sourced first, with `tools` set to the programs that the test needs: the script then goes on in
+# sourced after deploy/lib.bash, with `tools` set to the programs that the test needs: the script then goes on in
 # namespaces of its own, with empty runs/ and keys/, and whatever it starts ends with it, however it
 # ends.
 
 test=$(basename "$0")
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 cd "$root" || exit
 
 world=(unshare --pid --fork --kill-child --mount-proc --net --uts)

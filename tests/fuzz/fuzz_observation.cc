@@ -40,7 +40,7 @@ void ObserveIfAccepted(const std::string& body, const GameSettings& settings, Be
     return;
   }
   const auto& request = std::get<ActionRequest>(parsed);
-  if (!(request.settings == settings)) return;
+  if (!(request.settings == settings)) belief = Belief(request.settings, {});
   belief.Observe(request.observation);
   CHECK(belief.state().agents[request.observation.self].alive);
 }
@@ -50,7 +50,7 @@ void ObserveEdited(std::string_view bytes) {
   if (bytes.empty()) return;
   const GameSettings settings = *GameSettingsFor(kEnvironments[bytes[0] & 3]);
   State state = GenerateStart(settings, {}, Rng(bytes.size()));
-  Belief belief(settings, {});
+  Belief belief(settings);
   bytes.remove_prefix(1);
   for (const std::string_view half :
        {bytes.substr(0, bytes.size() / 2), bytes.substr(bytes.size() / 2)}) {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "common/base/check.h"
-#include "common/record/recorded_format.h"
+#include "tools/official/recorded_replay.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::istringstream text(std::string(reinterpret_cast<const char*>(data), size));

@@ -38,7 +38,7 @@ class AgentServiceTest : public ::testing::Test {
   std::string Body(AgentId agent, int step, const GameSettings& settings = {}) const {
     State state = GenerateStart(settings, {}, Rng(3));
     state.step = static_cast<std::uint16_t>(step);
-    state.messages[2] = EncodeReport(step - 1, state.agents[2].cell, Action::kStop);
+    state.messages[2] = {3, static_cast<std::uint8_t>(step % 8)};
     return ActionBody(settings, Observe(settings, state, agent));
   }
 
@@ -95,6 +95,26 @@ TEST_F(AgentServiceTest, ChangedSettingsStartAnew) {
   (void)service->Act(Body(1, 0, GameSettingsFor("PommeTeamCompetition-v0").value()));
   (void)service->Act(Body(1, 1, GameSettingsFor("PommeTeam-v0").value()));
   EXPECT_EQ(diary_.games.size(), 2U);
+}
+
+// An older version of the environment: what it leaves out is said once, and its steps are counted.
+TEST_F(AgentServiceTest, CountsTheStepsOfARunnerThatDoesNot) {
+  const auto service = Serve(0);
+  auto object = ObservationObject({}, Observe({}, GenerateStart({}, {}, Rng(3)), 0));
+  for (const char* key : {"flame_life", "bomb_moving_direction", "game_env", "step_count"}) {
+    object.erase(key);
+  }
+  (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
+  testing::internal::CaptureStderr();
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(service->Act(ActionBody(object)).status, 200);
+  (void)service->EndEpisode(kReward);
+  EXPECT_EQ(service->Act(ActionBody(object)).status, 200);
+  EXPECT_THAT(diary_.steps, ElementsAre(0, 1, 2, 0));
+  EXPECT_EQ(diary_.games.size(), 2U);
+  const std::string log = testing::internal::GetCapturedStderr();
+  const std::string said = "keys=\"game_env, bomb_moving_direction, flame_life, step_count\"";
+  EXPECT_THAT(log, HasSubstr(said));
+  EXPECT_EQ(log.find(said), log.rfind(said)) << log;
 }
 
 TEST_F(AgentServiceTest, RefusesWhatIsOutOfOrder) {
@@ -325,6 +345,14 @@ Observation ImpossibleObservation(Rng& rng) {
   return observation;
 }
 
+// Fog of no shape that the environment has.
+void Befog(Rng& rng, Observation& observation) {
+  for (int i = 0; i < 40; ++i) {
+    const auto cell = static_cast<Cell>(rng.Below(kCellCount));
+    if (observation.board[cell] < CellValue::kAgent0) observation.board[cell] = CellValue::kFog;
+  }
+}
+
 TEST(AgentServiceOnImpossibleBoards, ASearchAnswersOrTheBoardIsRefused) {
   Rng rng(5);
   for (const char* environment : {"PommeFFACompetition-v0", "PommeFFA-v1", "PommeTeam-v0"}) {
@@ -337,7 +365,8 @@ TEST(AgentServiceOnImpossibleBoards, ASearchAnswersOrTheBoardIsRefused) {
     for (int board = 0; board < 300; ++board) {
       Observation observation = ImpossibleObservation(rng);
       // Two boards of three pretend to be the next step of the last one.
-      if (board % 3 != 0) observation.step = static_cast<std::uint16_t>((step + 1) % 800);
+      if (board % 3 != 0) observation.step = static_cast<std::uint16_t>((step + 1) % 900);
+      if (board % 50 >= 40) Befog(rng, observation);
       step = observation.step;
       const ServiceReply reply = service.Act(ActionBody(settings, observation));
       ASSERT_TRUE(reply.status == 200 || reply.status == 400) << reply.body;
@@ -349,50 +378,22 @@ TEST(AgentServiceOnImpossibleBoards, ASearchAnswersOrTheBoardIsRefused) {
 
 // --- Radio --------------------------------------------------------------------------------------
 
-TEST_F(AgentServiceTest, TalksToItsMateAndListens) {
+TEST_F(AgentServiceTest, PassesWordsOnInBothDirections) {
   const GameSettings radio = GameSettingsFor("PommeRadioCompetition-v2").value();
   const auto service = Serve(0);
   (void)service->InitAgent(InitBody(0, Mode::kTeamRadio));
   for (int step = 1; step < 3; ++step) {
-    const auto reply = nlohmann::json::parse(service->Act(Body(0, step, radio)).body);
-    const std::vector<int> action = reply["action"];
-    ASSERT_EQ(action.size(), 3U);
-    EXPECT_EQ(action[0], 5);
-    const Message words = {static_cast<std::uint8_t>(action[1]),
-                           static_cast<std::uint8_t>(action[2])};
-    const auto report = DecodeReport(step, words);
-    ASSERT_TRUE(report.has_value());
-    EXPECT_EQ(report->coordinate, 1);  // agent 0 starts on (1, 1)
-    EXPECT_EQ(report->plan, RadioReport::Plan::kBomb);
+    EXPECT_EQ(service->Act(Body(0, step, radio)).body, R"({"action":[5,6,7]})");
   }
-  EXPECT_EQ(service->mate(), CellAt(9, 9));
-  EXPECT_THAT(diary_.mates, ElementsAre(CellAt(9, 9))) << "once both coordinates were heard";
+  EXPECT_THAT(diary_.heard, ElementsAre(Message{3, 1}, Message{3, 2}));
 }
 
-TEST_F(AgentServiceTest, AMateInViewElsewhereIsNotBelieved) {
-  const GameSettings radio = GameSettingsFor("PommeRadioCompetition-v2").value();
-  const auto service = Serve(0);
-  (void)service->InitAgent(InitBody(0, Mode::kTeamRadio));
-  State state = GenerateStart(radio, {}, Rng(3));
-  state.agents[2].cell = CellAt(2, 2);
-  state.wood.Remove(CellAt(2, 2));
-  for (std::uint16_t step = 1; step < 6; ++step) {
-    state.step = step;
-    state.messages[2] = EncodeReport(step - 1, CellAt(9, 9), Action::kStop);
-    EXPECT_EQ(service->Act(ActionBody(radio, Observe(radio, state, 0))).status, 200);
-  }
-  EXPECT_EQ(service->mate(), std::nullopt);
-  EXPECT_TRUE(diary_.mates.empty());
-}
-
-TEST_F(AgentServiceTest, WithoutRadioNobodyListens) {
+TEST_F(AgentServiceTest, WithoutRadioNobodyTalks) {
   const GameSettings team = GameSettingsFor("PommeTeamCompetition-v0").value();
   const auto service = Serve(0);
   (void)service->InitAgent(InitBody(0, Mode::kTeam));
-  for (int step = 1; step < 4; ++step) {
-    EXPECT_EQ(service->Act(Body(0, step, team)).status, 200);
-  }
-  EXPECT_TRUE(diary_.mates.empty());
+  EXPECT_EQ(service->Act(Body(0, 1, team)).body, R"({"action":5})");
+  EXPECT_THAT(diary_.heard, ElementsAre(Message{}));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <httplib.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
 #include <atomic>
@@ -211,7 +212,7 @@ TEST_F(HttpServerTest, RefusesWithStatusAndReason) {
     request.method = test.method;
     request.path = test.path;
     request.body = test.body;
-    if (!test.body.empty()) request.set_header("Content-Type", "application/json");
+    if (test.method == "POST") request.set_header("Content-Type", "application/json");
     auto client = Client();
     const auto result = client.send(request);
     ASSERT_TRUE(result) << test.method << " " << test.path << " " << to_string(result.error());
@@ -231,17 +232,6 @@ TEST_F(HttpServerTest, AMoveBeginsWithTheArrivalOfItsRequest) {
   ASSERT_TRUE(result);
   EXPECT_EQ(result->status, 200);
   EXPECT_LT(service_->statistics().slowest_move.total(), std::chrono::seconds(60));
-}
-
-TEST_F(HttpServerTest, WaitingForAThreadCountsAsTimeOfTheMove) {
-  Listen({.threads = 1, .io_timeout = milliseconds(60)});
-  (void)service_->InitAgent(InitBody(0, Mode::kFreeForAll));
-  const int silent = ConnectTo(server_->address().port);  // keeps the only thread for 60 ms
-  const auto result = Client().Post("/action", Action(), "application/json");
-  ASSERT_TRUE(result);
-  EXPECT_EQ(result->status, 200);
-  EXPECT_GT(service_->statistics().slowest_move.read, milliseconds(30));
-  (void)ReadToEnd(silent);
 }
 
 TEST(HttpServerOfASearch, AnEvaluatorThatFailsIsReportedAndTheServerGoesOn) {
@@ -393,6 +383,136 @@ TEST(HttpServerOfRoutes, AClientThatReadsSlowlyHoldsAThreadForAWhileOnly) {
   EXPECT_EQ(result->status, 200);
   sipping = {};
   (void)ReadToEnd(slow);
+}
+
+TEST(HttpServerOfRoutes, ARequestArrivesWhenItIsThereAndNotWhenAThreadIs) {
+  std::atomic<bool> held = false;
+  std::atomic<milliseconds> waited{};
+  const HttpServer server({{"GET", "/hold",
+                            [&](const HttpRequest&) {
+                              held = true;
+                              std::this_thread::sleep_for(milliseconds(200));
+                              return HttpReply{};
+                            }},
+                           {"GET", "/next",
+                            [&](const HttpRequest& request) {
+                              waited = std::chrono::duration_cast<milliseconds>(
+                                  std::chrono::steady_clock::now() - request.arrival);
+                              return HttpReply{};
+                            }}},
+                          {.threads = 1});
+  const int port = server.address().port;
+  const std::jthread other([port] { (void)ExchangeBytes(port, "GET /hold HTTP/1.1\r\n\r\n"); });
+  while (!held) std::this_thread::yield();
+  (void)ExchangeBytes(port, "GET /next HTTP/1.1\r\n\r\n");
+  EXPECT_GT(waited.load(), milliseconds(50));
+}
+
+// --- What keeps a connection open ---------------------------------------------------------------
+
+HttpRoute Ping() {
+  return {"GET", "/ping", [](const HttpRequest&) { return HttpReply{.body = "pong"}; }};
+}
+
+TEST(HttpServerOfRoutes, NoThreadWaitsForRequestsNorForThoseWhoHaveTheirAnswer) {
+  const std::vector<std::string> beginnings = {
+      "",
+      "G",
+      "GET /ping HTTP/1.1\r\n",
+      "GET /ping HTTP/1.1\r\n\r\n",  // answered, and the connection kept
+      "POST /ping HTTP/1.1\r\nContent-Length: 40000\r\n\r\n{",
+      "POST /ping HTTP/1.1\r\nContent-Length: +5\r\n\r\n{",
+      "POST /ping HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n5\r\n",
+  };
+  for (const std::string& beginning : beginnings) {
+    const HttpServer server({Ping()}, {.threads = 2, .io_timeout = std::chrono::seconds(30)});
+    std::vector<int> sockets;
+    for (int i = 0; i < 60; ++i) {
+      sockets.push_back(ConnectTo(server.address().port));
+      SendAll(sockets.back(), beginning);
+    }
+    httplib::Client client("127.0.0.1", server.address().port);
+    client.set_read_timeout(std::chrono::seconds(5));
+    const auto result = client.Get("/ping");
+    ASSERT_TRUE(result) << beginning;
+    EXPECT_EQ(result->body, "pong");
+    for (const int socket : sockets) ::close(socket);
+  }
+}
+
+TEST(HttpServerOfRoutes, ARequestMayComeInPieces) {
+  const HttpServer server({Ping()}, {});
+  const int socket = ConnectTo(server.address().port);
+  for (const char byte : std::string("GET /ping HTTP/1.1\r\nX: y\r\n\r\n")) {
+    SendAll(socket, std::string(1, byte));
+  }
+  EXPECT_THAT(ReadToEnd(socket), HasSubstr("pong"));
+}
+
+TEST(HttpServerOfRoutes, WhoeverWaitsLongestGoesWhenThereAreTooMany) {
+  const HttpServer server({Ping()}, {.max_waiting = 10, .io_timeout = std::chrono::seconds(30)});
+  std::vector<int> sockets;
+  for (int i = 0; i < 11; ++i) sockets.push_back(ConnectTo(server.address().port));
+  EXPECT_EQ(ReadToEnd(sockets.front()), "");
+  SendAll(sockets.back(), "GET /ping HTTP/1.1\r\n\r\n");
+  EXPECT_THAT(ReadToEnd(sockets.back()), HasSubstr("pong"));
+  for (std::size_t i = 1; i < 10; ++i) ::close(sockets[i]);
+}
+
+TEST(HttpServerOfRoutes, PartsOfAnAnswerAreNotServed) {
+  const HttpServer server({Ping()}, {});
+  std::string ranges = "bytes=0-";
+  for (int i = 0; i < 1000; ++i) ranges += ",0-";
+  httplib::Client client("127.0.0.1", server.address().port);
+  const auto result = client.Get("/ping", {{"Range", ranges}});
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, 200);
+  EXPECT_EQ(result->body, "pong");
+}
+
+// --- Who asks -----------------------------------------------------------------------------------
+
+TEST_F(HttpServerTest, PagesOfOthersAreRefused) {
+  const auto status = [&](const httplib::Headers& headers, const char* type) {
+    return Client().Post("/shutdown", headers, "{}", type)->status;
+  };
+  const std::string here = StrCat("127.0.0.1:", server_->address().port);
+  EXPECT_EQ(status({}, "application/json"), 200) << "the official runner";
+  EXPECT_EQ(status({{"Origin", "http://" + here}}, "application/json; charset=utf-8"), 200);
+  EXPECT_EQ(status({}, "text/plain"), 415);
+  EXPECT_EQ(status({}, "application/x-www-form-urlencoded"), 415);
+  EXPECT_EQ(status({{"Origin", "http://example.com"}}, "application/json"), 403);
+  EXPECT_EQ(status({{"Origin", "null"}}, "application/json"), 403);
+  EXPECT_EQ(status({{"Host", "example.com"}, {"Origin", "http://example.com"}}, "application/json"),
+            403);
+}
+
+TEST_F(HttpServerTest, IsReachedByNamesThatNoStrangerCanGive) {
+  const auto status = [&](const std::string& host) {
+    return Client().Get("/ping", {{"Host", host}})->status;
+  };
+  for (const char* host : {"localhost", "localhost:80", "127.0.0.1", "10.0.0.7:10080", "[::1]:80",
+                           "agent-0:10080", ""}) {
+    EXPECT_EQ(status(host), 200) << host;
+  }
+  for (const char* host : {"example.com", "example.com:10080", "127.0.0.1.example.com"}) {
+    EXPECT_EQ(status(host), 403) << host;
+  }
+}
+
+TEST_F(HttpServerTest, ATargetMayNameTheServer) {
+  EXPECT_THAT(Exchange("GET http://127.0.0.1:80/ping HTTP/1.1\r\n\r\n"), HasSubstr(" 200 "));
+  EXPECT_THAT(Exchange("GET http://127.0.0.1:80 HTTP/1.1\r\n\r\n"), HasSubstr(" 404 "));
+}
+
+TEST_F(HttpServerTest, AnAddressMayStandInBrackets) {
+  try {
+    Listen({.address = {.host = "::1"}});
+  } catch (const Error&) {
+    GTEST_SKIP() << "no IPv6 here";
+  }
+  Listen({.address = {.host = "[::1]"}});
+  EXPECT_EQ(httplib::Client("::1", server_->address().port).Get("/ping")->status, 200);
 }
 
 // --- Many connections ---------------------------------------------------------------------------

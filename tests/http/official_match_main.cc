@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "actors/run_main.h"
 #include "common/base/check.h"
+#include "common/base/run_main.h"
 #include "common/base/stats.h"
 #include "common/pommerman/observation.h"
 #include "common/record/rule_based_seat.h"

@@ -34,11 +34,12 @@ OrderedJson Alive(const Observation& observation) {
 
 OrderedJson Enemies(Mode mode, AgentId self) {
   OrderedJson enemies = OrderedJson::array();
-  for (int id = 0; id < kAgentCount; ++id) {
-    const bool enemy = mode == Mode::kFreeForAll ? id != self : (id + self) % 2 == 1;
+  const bool teams = mode == Mode::kTeam || mode == Mode::kTeamRadio;
+  for (int id = 0; id < (mode == Mode::kOneVsOne ? 2 : 4); ++id) {
+    const bool enemy = teams ? (id + self) % 2 == 1 : id != self;
     if (enemy) enemies.push_back(kAgent0 + id);
   }
-  if (mode != Mode::kFreeForAll) enemies.push_back(kDummy);
+  if (teams) enemies.push_back(kDummy);
   return enemies;
 }
 
@@ -51,7 +52,7 @@ std::string_view EnvironmentClass(const GameSettings& settings) {
 
 OrderedJson ObservationObject(const GameSettings& settings, const Observation& observation) {
   const int size = settings.board_size;
-  const bool teams = settings.mode != Mode::kFreeForAll;
+  const bool teams = settings.mode == Mode::kTeam || settings.mode == Mode::kTeamRadio;
   OrderedJson object;
   object["alive"] = Alive(observation);
   object["board"] = Rows<int>(observation.board, size);

@@ -11,7 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "common/base/check.h"
 #include "tests/http/raw_socket.h"
+#include "tests/learner/record_support.h"
 #include "tests/learner/view_support.h"
 
 namespace powderkeg {
@@ -24,7 +26,7 @@ using testing::Not;
 
 class DashboardTest : public testing::Test {
  protected:
-  DashboardTest() : history_("no/such/file") {
+  DashboardTest() : history_(folder_.path() / "iterations.csv", 0) {
     for (int iteration = 1; iteration <= 3; ++iteration) history_.Append(ReportOf(iteration));
     server_ = std::make_unique<HttpServer>(
         DashboardRoutes(PlayingRun, history_),
@@ -37,6 +39,7 @@ class DashboardTest : public testing::Test {
     return httplib::Client("127.0.0.1", port()).Get(path);
   }
 
+  const TemporaryFolder folder_;
   IterationHistory history_;
   std::unique_ptr<HttpServer> server_;
 };
@@ -51,7 +54,11 @@ TEST_F(DashboardTest, ServesThePage) {
   EXPECT_TRUE(page->body.ends_with("</html>\n"));
 }
 
-TEST_F(DashboardTest, ServesStatusAndMetrics) {
+TEST_F(DashboardTest, ServesFiguresStatusAndMetrics) {
+  const auto figures = Get("/figures.tsv");
+  ASSERT_TRUE(figures);
+  EXPECT_EQ(figures->get_header_value("Content-Type"), "text/tab-separated-values");
+  EXPECT_EQ(figures->body, FiguresText());
   const auto status = Get("/status.json");
   ASSERT_TRUE(status);
   EXPECT_EQ(status->get_header_value("Content-Type"), "application/json");
@@ -68,7 +75,8 @@ TEST_F(DashboardTest, ServesTheIterationsThatSomebodyLacks) {
   EXPECT_EQ(all->get_header_value("Content-Type"), "text/csv; charset=utf-8");
   EXPECT_EQ(all->body, history_.CsvAfter(0));
   EXPECT_EQ(Get("/iterations.csv?after=2")->body, history_.CsvAfter(2));
-  EXPECT_EQ(Get("/iterations.csv?after=3")->body, IterationCsv::Header() + '\n');
+  EXPECT_EQ(Get("/iterations.csv?after=3")->body, history_.CsvAfter(3));
+  EXPECT_EQ(std::ranges::count(history_.CsvAfter(3), '\n'), 1) << "the header alone";
   for (const char* after : {"", "x", "1x", "1.5", "99999999999", "%ff"}) {
     const auto refused = Get(std::string("/iterations.csv?after=") + after);
     ASSERT_TRUE(refused);
@@ -89,7 +97,7 @@ TEST_F(DashboardTest, CanOnlyBeRead) {
   EXPECT_EQ(client.Get("/x")->status, 404);
   EXPECT_EQ(client.Get("/index.html")->status, 404);
   EXPECT_EQ(client.Get("/../run_id")->status, 404);
-  for (const char* path : {"/", "/status.json", "/iterations.csv", "/metrics"}) {
+  for (const char* path : {"/", "/figures.tsv", "/status.json", "/iterations.csv", "/metrics"}) {
     EXPECT_EQ(client.Post(path, "x", "text/plain")->status, 405) << path;
     EXPECT_EQ(client.Put(path, "x", "text/plain")->status, 405) << path;
     EXPECT_EQ(client.Delete(path)->status, 405) << path;
@@ -114,6 +122,15 @@ TEST_F(DashboardTest, SilentClientsHoldItForAWhileOnly) {
   ASSERT_TRUE(page);
   EXPECT_EQ(page->status, 200);
   for (const int socket : silent) EXPECT_EQ(ReadToEnd(socket), "");
+}
+
+TEST(DashboardServer, IsWhatTheOptionSays) {
+  EXPECT_FALSE(DashboardServer("off"));
+  EXPECT_EQ(DashboardServer("auto")->address.port, 8265);
+  EXPECT_TRUE(DashboardServer("auto")->any_port_if_taken);
+  EXPECT_EQ(DashboardServer("127.0.0.1:99")->address.port, 99);
+  EXPECT_FALSE(DashboardServer("127.0.0.1:99")->any_port_if_taken);
+  EXPECT_THROW((void)DashboardServer("8265"), Error);
 }
 
 // --- The page -----------------------------------------------------------------------------------

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 
 #include "common/base/check.h"
 #include "common/base/worker.h"
@@ -35,10 +34,12 @@ LearnerLoopSettings SettingsFor(const fs::path& folder, int iterations) {
 // What a run of the loop told.
 struct RunLog {
   std::vector<Snapshot> published;
+  std::vector<IterationReport> trained;  // told before the checkpoint
   std::vector<IterationReport> reports;
 
   LearnerLoopHooks Hooks() {
     return {.publish = [this](const Snapshot& snapshot) { published.push_back(snapshot); },
+            .iteration_trained = [this](const IterationReport& report) { trained.push_back(report); },
             .iteration_done = [this](const IterationReport& report) { reports.push_back(report); }};
   }
 };
@@ -46,16 +47,9 @@ struct RunLog {
 RunLog RunLoop(const LearnerLoopSettings& settings, const std::vector<GameRecord>& games) {
   RunLog run;
   LearnerLoop loop(settings, run.Hooks());
-  for (GameRecord game : games) loop.Add(std::move(game));
+  for (const GameRecord& game : games) loop.Add(LessonsOf(game));
   loop.Run({});
   return run;
-}
-
-std::vector<std::string> LinesOf(const fs::path& path) {
-  std::vector<std::string> lines;
-  std::ifstream file(path);
-  for (std::string line; std::getline(file, line);) lines.push_back(line);
-  return lines;
 }
 
 TEST(LearnerLoop, TrainsIterationAfterIteration) {
@@ -72,7 +66,7 @@ TEST(LearnerLoop, TrainsIterationAfterIteration) {
   EXPECT_EQ(run.published[1]->version, 2u);
   EXPECT_EQ(run.published[2]->version, 3u);
   EXPECT_EQ(run.published[2]->canary.states.size(), 8u);
-  EXPECT_EQ(LinesOf(folder.path() / "iterations.csv").size(), 3u);
+  EXPECT_THAT(run.trained, testing::ElementsAreArray(run.reports));
   EXPECT_EQ(*LoadSnapshot((folder.path() / "weights" / "version-000003.weights").string()),
             *run.published[2]);
   EXPECT_EQ(LoadSnapshot((folder.path() / "weights" / "version-000001.weights").string())->version,
@@ -105,7 +99,6 @@ TEST(LearnerLoop, ARestartGoesOnExactlyWhereItWas) {
   EXPECT_EQ(*last.published[1], *uninterrupted.published[4]);
   ASSERT_EQ(last.reports.size(), 1u);
   EXPECT_EQ(last.reports[0].decisions, uninterrupted.reports[3].decisions);
-  EXPECT_EQ(LinesOf(other_folder.path() / "iterations.csv").size(), 5u);
 }
 
 TEST(LearnerLoop, AnIterationStoppedInTrainingIsRepeated) {
@@ -119,7 +112,7 @@ TEST(LearnerLoop, AnIterationStoppedInTrainingIsRepeated) {
   RunLog stopped;
   {
     LearnerLoop loop(endless, stopped.Hooks());
-    for (GameRecord game : games) loop.Add(std::move(game));
+    for (const GameRecord& game : games) loop.Add(LessonsOf(game));
     Worker trainer("trainer", [&](const std::stop_token& stop) { loop.Run(stop); });
     while (loop.progress().training.samples_done == 0) std::this_thread::yield();
     trainer.RequestStop();
@@ -133,12 +126,12 @@ TEST(LearnerLoop, AnIterationStoppedInTrainingIsRepeated) {
 TEST(LearnerLoop, WaitsForAStragglerAndStopsWhenAsked) {
   const TemporaryFolder folder;
   LearnerLoop loop(SettingsFor(folder.path(), 2), {});
-  for (GameRecord& game : PlayGames(1, kGames)) loop.Add(std::move(game));
+  for (const GameRecord& game : PlayGames(1, kGames)) loop.Add(LessonsOf(game));
   EXPECT_EQ(loop.progress().games.straggler, 0u);
   EXPECT_EQ(loop.progress().games.decisions_in_prefix, 0u);
   EXPECT_EQ(loop.GamesWanted(), 0u);
   Worker trainer("trainer", [&](const std::stop_token& stop) { loop.Run(stop); });
-  loop.Add(PlayGame(0));
+  loop.Add(LessonsOf(PlayGame(0)));
   while (loop.progress().iteration < 2) std::this_thread::yield();
   trainer.Join();
   EXPECT_EQ(loop.GamesWanted(), 0u) << "no iteration is left";
@@ -152,17 +145,49 @@ TEST(LearnerLoop, WaitsForAStragglerAndStopsWhenAsked) {
   EXPECT_EQ(idle.progress().iteration, 0);
 }
 
+// The run keeps them from its first moment: a restart before the first iteration has them too.
 TEST(LearnerLoop, GivenWeightsArePublishedFirst) {
   const TemporaryFolder folder;
+  WeightsSnapshot weights = InitialWeights(SmallNetwork(), Rng(5));
+  weights.version = 40;
+  const std::string file = (folder.path() / "given.weights").string();
+  SaveSnapshot(weights, file);
   LearnerLoopSettings settings = SettingsFor(folder.path(), 1);
-  auto weights = std::make_shared<WeightsSnapshot>(InitialWeights(SmallNetwork(), Rng(5)));
-  weights->version = 40;
-  settings.initial_weights = weights;
+  settings.first = LoadFirstState(file);
+  { const LearnerLoop killed(settings, {}); }
+  settings.first.reset();
   const RunLog run = RunLoop(settings, PlayGames(0, kGames));
   ASSERT_EQ(run.published.size(), 2u);
   EXPECT_EQ(run.published[0]->version, 1u);
-  EXPECT_EQ(run.published[0]->arrays, weights->arrays);
+  EXPECT_EQ(run.published[0]->arrays, weights.arrays);
   EXPECT_EQ(run.published[1]->version, 2u);
+}
+
+TEST(LearnerLoop, GivenCheckpointsBringTheirOptimizer) {
+  const TemporaryFolder folder;
+  RunLoop(SettingsFor(folder.path(), 1), PlayGames(0, kGames));
+  const TrainerState first =
+      LoadFirstState((folder.path() / "checkpoints/iteration-00000001.checkpoint").string());
+  EXPECT_EQ(first.weights.version, 1u);
+  EXPECT_GT(first.optimizer_steps, 0u);
+  EXPECT_FALSE(first.optimizer.empty());
+}
+
+TEST(LearnerLoop, GivenWeightsOfAnotherNetworkAreAnError) {
+  const TemporaryFolder folder;
+  LearnerLoopSettings settings = SettingsFor(folder.path(), 1);
+  settings.first = LoadFirstState("untrained:paper");
+  EXPECT_THROW(LearnerLoop(settings, {}), Error);
+}
+
+TEST(LearnerLoop, HeldOutGamesAreMeasuredAndNotTrainedOn) {
+  const TemporaryFolder folder;
+  LearnerLoopSettings settings = SettingsFor(folder.path(), 1);
+  settings.training.held_out_share = 0.5;
+  const RunLog run = RunLoop(settings, PlayGames(0, kGames));
+  ASSERT_EQ(run.reports.size(), 1u);
+  EXPECT_GT(run.reports[0].held_out_loss, 0);
+  EXPECT_NE(run.reports[0].held_out_loss, run.reports[0].total_loss);
 }
 
 TEST(LearnerLoop, AGameThatTheCheckpointCountsMustBeInTheStore) {
@@ -189,7 +214,7 @@ TEST(LearnerLoop, RestartsFromTheStore) {
   store.Append(games);
   RunLog run;
   LearnerLoop loop(SettingsFor(folder.path(), 2), run.Hooks());
-  store.Load([&](GameRecord&& game) { loop.Add(std::move(game)); });
+  store.Load([&](const GameRecord& game) { loop.Add(LessonsOf(game)); });
   loop.Run({});
   ASSERT_EQ(run.reports.size(), 1u);
   EXPECT_EQ(run.reports[0].iteration, 2);

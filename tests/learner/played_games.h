@@ -11,6 +11,7 @@
 #include "common/base/rng.h"
 #include "common/record/game_record.h"
 #include "common/record/rule_based_seat.h"
+#include "learner/replay/lessons.h"
 
 namespace powderkeg {
 
@@ -20,7 +21,7 @@ inline Action DecideAtRandom(const State& state, Rng& rng, GameRecord& record) {
   Decision decision;
   decision.step = state.step;
   decision.value = static_cast<float>(rng.Uniform() - 0.5);
-  decision.weights_version = record.weights_version;
+  decision.weights_version = record.tracks[0].weights_version;
   std::vector<Action> actions;
   for (int i = 0; i < kActionCount; ++i) {
     if ((legal >> i & 1) == 0) continue;
@@ -29,7 +30,7 @@ inline Action DecideAtRandom(const State& state, Rng& rng, GameRecord& record) {
   }
   const Action chosen = actions[rng.Below(static_cast<std::uint32_t>(actions.size()))];
   decision.visits[static_cast<std::size_t>(chosen)] += 40;
-  record.decisions.push_back(decision);
+  record.tracks[0].decisions.push_back(decision);
   return chosen;
 }
 
@@ -37,11 +38,12 @@ inline Action DecideAtRandom(const State& state, Rng& rng, GameRecord& record) {
 inline GameRecord PlayGame(std::uint64_t ticket, std::uint32_t weights_version = 0) {
   GameRecord record;
   record.ticket = ticket;
-  record.weights_version = weights_version;
+  record.tracks[0].weights_version = weights_version;
   record.evaluator = "uniform";
   record.setup.seed = Rng(99).Split(ticket).Next();
   record.setup.start.corners = StartCorners::kPermuted;
-  record.setup.seats[0].searches = true;
+  record.setup.seats[0] = {.searches = true, .teaches = Teaches::kSearch, .measured = true};
+  record.setup.to_the_end = false;
   for (int seat = 1; seat < kAgentCount; ++seat) {
     record.setup.seats[seat].policy = PolicyKind::kSimpleUnbiased;
   }
@@ -61,6 +63,12 @@ inline GameRecord PlayGame(std::uint64_t ticket, std::uint32_t weights_version =
     record.actions.push_back(actions);
   }
   return record;
+}
+
+inline Lessons LessonsOf(const GameRecord& game) { return std::get<Lessons>(MakeLessons(game)); }
+
+inline void AddGame(const GameRecord& game, DataSet& data_set) {
+  data_set.Add(LessonsOf(game), DataSet::Part::kTraining);
 }
 
 inline std::vector<GameRecord> PlayGames(std::uint64_t first_ticket, int count) {

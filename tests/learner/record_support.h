@@ -31,18 +31,25 @@ inline GameRecord RandomRecord(std::uint64_t ticket, int steps, int decisions) {
   record.setup.start.generator = static_cast<BoardGenerator>(rng.Below(2));
   record.setup.start.corners = static_cast<StartCorners>(rng.Below(2));
   for (Seat& seat : record.setup.seats) {
-    seat = {rng.Below(2) == 0, static_cast<PolicyKind>(rng.Below(5))};
+    seat = {.searches = rng.Below(2) == 0,
+            .policy = static_cast<PolicyKind>(rng.Below(5)),
+            .teaches = static_cast<Teaches>(rng.Below(3)),
+            .measured = rng.Below(2) == 0,
+            .player = static_cast<std::uint8_t>(rng.Below(256))};
   }
-  record.weights_version = static_cast<std::uint32_t>(rng.Next());
+  record.setup.lineup = static_cast<std::uint8_t>(rng.Below(256));
+  record.setup.to_the_end = rng.Below(2) == 0;
+  for (Track& track : record.tracks) {
+    track.weights_version = static_cast<std::uint32_t>(rng.Next());
+  }
   record.evaluator = rng.Below(2) == 0 ? "uniform" : "torch cpu fp32";
   for (int i = 0; i < steps; ++i) {
     JointAction& actions = record.actions.emplace_back();
     for (Action& action : actions) action = static_cast<Action>(rng.Below(kActionCount));
   }
   for (int i = 0; i < decisions; ++i) {
-    Decision& decision = record.decisions.emplace_back();
+    Decision& decision = record.tracks[rng.Below(kAgentCount)].decisions.emplace_back();
     decision.step = static_cast<std::uint16_t>(rng.Below(800));
-    decision.agent = static_cast<std::uint8_t>(rng.Below(kAgentCount));
     for (std::uint16_t& visits : decision.visits) {
       visits = static_cast<std::uint16_t>(rng.Below(65'536));
     }

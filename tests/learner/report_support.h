@@ -2,7 +2,7 @@
 
 // Reports with every field set.
 
-#include "learner/report/iteration_table.h"
+#include "learner/train/iteration_report.h"
 
 namespace powderkeg {
 

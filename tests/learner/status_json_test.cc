@@ -24,7 +24,7 @@ TEST(StatusJson, SaysWhatTheRunIsAt) {
   EXPECT_EQ(json["decisions"], 20'000);
   EXPECT_EQ(json["decisions_wanted"], 100'000);
   EXPECT_EQ(json["intake"]["games"], 22);
-  EXPECT_EQ(json["intake"]["games_pending"], 8);
+  EXPECT_EQ(json["intake"]["pending_games"], 8);
   EXPECT_EQ(json["intake"]["malformed"], 6);
 }
 
@@ -44,19 +44,28 @@ TEST(StatusJson, ListsTheActors) {
   EXPECT_EQ(actors[1], (Json{{"name", "actor-1"},
                              {"games", 11},
                              {"rejected", 1},
-                             {"tickets", 40},
-                             {"silence_ms", 250},
                              {"games_played", 12},
                              {"decisions", 2'400},
                              {"simulations", 38'400},
                              {"evaluations", 50'000},
                              {"batches", 2'000},
+                             {"mean_batch", 25},
                              {"games_running", 32},
+                             {"tickets", 40},
                              {"spool_games", 3},
                              {"spool_bytes", 4'096},
-                             {"oldest_game_ms", 2'500},
-                             {"weights_version", 7}}));
+                             {"oldest_game_s", 2.5},
+                             {"weights_version", 7},
+                             {"silence_s", 0.25}}));
   EXPECT_EQ(Status({})["actors"], Json::array());
+}
+
+TEST(StatusJson, SaysWhatTheLastIterationWas) {
+  const Json last = Status(PlayingRun())["last_iteration"];
+  EXPECT_EQ(last["iteration"], 2);
+  EXPECT_EQ(last["win_rate"], 0.78125);
+  EXPECT_EQ(last["exam_games"], nullptr) << "there were none";
+  EXPECT_FALSE(Status({}).contains("last_iteration"));
 }
 
 TEST(StatusJson, IsOneLineWhateverNamesHold) {

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "learner/report/figures.h"
 #include "learner/report/run_view.h"
 #include "tests/learner/report_support.h"
 
@@ -47,7 +48,7 @@ inline RunView PlayingRun() {
                  .sessions_lost = 1,
                  .pending_games = 8,
                  .tickets_issued = 102};
-  view.last_iteration = ReportOf(2);
+  view.last_iteration = ValuesOf(ReportOf(2));
   return view;
 }
 

@@ -2,9 +2,10 @@
 
 #include "actors/play/plain_agents.h"
 #include "actors/play/search_agent.h"
-#include "common/pommerman/board_text.h"
 #include "common/pommerman/step.h"
 #include "tests/play/support.h"
+#include "tests/pommerman/board_reader.h"
+#include "tests/search/settings_from_text.h"
 
 namespace powderkeg {
 namespace {
@@ -66,6 +67,23 @@ void Decide(Agent& agent, Evaluator& evaluator) {
   }
 }
 
+TEST(Agents, ThatThinkSayWhereTheyAreAndRuleBasedOnesAreSilent) {
+  const GameSettings radio = GameSettingsFor("PommeRadioCompetition-v2").value();
+  State state = CornerState();
+  state.step = 4;
+  UniformEvaluator evaluator;
+  SearchAgent search(ParseSearchSettings("simulations=8"));
+  RawNetworkAgent raw;
+  RuleBasedAgent rule(PolicyKind::kSimpleUnbiased);
+  for (Agent* agent : std::initializer_list<Agent*>{&search, &raw, &rule}) {
+    agent->StartGame(radio, /*self=*/0, Rng(1));
+    agent->Begin(Observe(radio, state, 0));
+    Decide(*agent, evaluator);
+    const Message silence{};
+    EXPECT_EQ(agent->words(), agent == &rule ? silence : EncodeReport(4, 0, agent->action()));
+  }
+}
+
 TEST(SearchAgent, TellsItsDecisionAndStatistics) {
   SearchAgent agent(ParseSearchSettings("simulations=32,opponents=idle"));
   agent.StartGame(GameSettings(), /*self=*/0, Rng(1));
@@ -77,13 +95,21 @@ TEST(SearchAgent, TellsItsDecisionAndStatistics) {
   const std::optional<Decision> decision = agent.decision();
   ASSERT_TRUE(decision);
   EXPECT_EQ(decision->step, 7);
-  EXPECT_EQ(decision->agent, 0);
   EXPECT_EQ(decision->visits[0] + decision->visits[2], 32);
   EXPECT_TRUE(agent.action() == Action::kStop || agent.action() == Action::kDown);
   EXPECT_EQ(agent.move_statistics().simulations, 32u);
   EXPECT_GT(agent.move_statistics().mean_depth, 0);
   EXPECT_EQ(agent.move_statistics().predicted_agents, 0b0110);
   EXPECT_EQ(agent.move_statistics().prediction[1], Action::kStop);
+}
+
+TEST(SearchAgent, AnEnemyThatBranchesInTheTreeIsNotPredicted) {
+  SearchAgent agent(ParseSearchSettings("simulations=32,opponents=idle,tree=two_player"));
+  agent.StartGame(GameSettings(), /*self=*/0, Rng(1));
+  agent.Begin(Seen(CornerState()));
+  UniformEvaluator evaluator;
+  Decide(agent, evaluator);
+  EXPECT_EQ(agent.move_statistics().predicted_agents, 0b0100) << "agent 1 is the closest";
 }
 
 TEST(SearchAgent, RecordsTheImprovedPolicyOfAGumbelRoot) {
@@ -128,7 +154,7 @@ TEST(SearchAgent, PlaysEqualGamesEquallyHoweverOftenItPlayedBefore) {
   plan.setup = SetupOfSeats(
       {kSimpleUnbiasedSeat, kSearching, kSimpleUnbiasedSeat, kSimpleUnbiasedSeat}, /*seed=*/4);
   SearchAgent agent(settings);
-  plan.players[1] = {&agent, {std::make_shared<UniformEvaluator>(), 0}};
+  plan.agents[1] = {&agent, {std::make_shared<UniformEvaluator>(), 0}};
   const GameRecord first = PlayGame(plan);
   EXPECT_EQ(PlayGame(plan), first);
 }

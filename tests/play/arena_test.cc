@@ -9,7 +9,7 @@
 
 #include "actors/arena/contest.h"
 #include "actors/arena/match.h"
-#include "common/pommerman/board_text.h"
+#include "tests/pommerman/board_reader.h"
 
 namespace powderkeg {
 namespace {
@@ -20,12 +20,15 @@ const ModelLoader kNoModels = [](const std::string& file) -> Model {
   throw Error("no model " + file);
 };
 
-Lineup LineupOf(const std::string& agent, const std::string& opponents) {
+MatchLineup LineupOf(const std::string& agent, const std::string& opponents) {
   return {ParseAgent(agent), ParseAgent(opponents), ParseAgent(opponents), ParseAgent(opponents)};
 }
 
-Match PlayQuietly(const Lineup& lineup, const MatchSettings& settings) {
-  return PlayMatch(lineup, settings, kNoModels, [](const PlayedGame&) {});
+Match PlayQuietly(const MatchLineup& lineup, const MatchSettings& settings,
+                  const ModelLoader& loader = kNoModels) {
+  MatchPlayer player(lineup, settings, loader);
+  player.Play(settings.games, {.on_game = [](const PlayedGame&) {}, .is_enough = nullptr});
+  return player.match();
 }
 
 std::vector<std::array<int, 3>> FiguresOf(const Match& match) {
@@ -37,7 +40,7 @@ std::vector<std::array<int, 3>> FiguresOf(const Match& match) {
 }
 
 TEST(Match, IsTheSameOverThreadCountsAndGamesInFlight) {
-  const Lineup lineup = LineupOf("search:simulations=4", "simple_unbiased");
+  const MatchLineup lineup = LineupOf("search:simulations=4", "simple_unbiased");
   MatchSettings settings{.seed = 5, .games = 12, .threads = 1, .games_in_flight = 1};
   const auto expected = FiguresOf(PlayQuietly(lineup, settings));
   settings.threads = 3;
@@ -49,7 +52,7 @@ TEST(Match, IsTheSameOverThreadCountsAndGamesInFlight) {
 
 TEST(Match, RotatesSeatsAndKeepsBoardsForEveryCandidate) {
   const MatchSettings settings;
-  const Lineup lineup = LineupOf("search", "idle");
+  const MatchLineup lineup = LineupOf("search", "idle");
   for (int number = 0; number < 8; ++number) {
     const GameSetup setup = SetupOf(settings, lineup, number);
     for (AgentId seat = 0; seat < kAgentCount; ++seat) {
@@ -126,8 +129,7 @@ TEST(Match, StopsWithThePositionWhereANetworkAnswersNoNumber) {
   MatchSettings settings{.games = 1000, .threads = 1};
   settings.position_file = path;
   try {
-    (void)PlayMatch(LineupOf("raw:model=broken", "idle"), settings, loader,
-                    [](const PlayedGame&) {});
+    (void)PlayQuietly(LineupOf("raw:model=broken", "idle"), settings, loader);
     FAIL();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr("agent raw:model=broken: evaluator failing answered"));
@@ -147,8 +149,7 @@ TEST(Match, StopsAllThreadsForTheErrorOfOne) {
   MatchSettings settings{.games = 1'000'000, .threads = 4};
   settings.position_file = "/absent/position.txt";
   try {
-    (void)PlayMatch(LineupOf("search:simulations=2,model=broken", "idle"), settings, loader,
-                    [](const PlayedGame&) {});
+    (void)PlayQuietly(LineupOf("search:simulations=2,model=broken", "idle"), settings, loader);
     FAIL();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr("could not be saved in /absent/position.txt"));
@@ -156,7 +157,7 @@ TEST(Match, StopsAllThreadsForTheErrorOfOne) {
 }
 
 TEST(Match, EndsWhereTheObserverHasEnoughWhateverTheThreads) {
-  const Lineup lineup = LineupOf("search:simulations=2", "simple_unbiased");
+  const MatchLineup lineup = LineupOf("search:simulations=2", "simple_unbiased");
   for (const int threads : {1, 4}) {
     MatchPlayer player(lineup, {.games = 200, .threads = threads, .games_in_flight = 3}, kNoModels);
     std::vector<int> seen;
@@ -177,7 +178,7 @@ TEST(Match, EndsWhereTheObserverHasEnoughWhateverTheThreads) {
 }
 
 TEST(Match, GoesOnWhereItPaused) {
-  const Lineup lineup = LineupOf("random", "simple_unbiased");
+  const MatchLineup lineup = LineupOf("random", "simple_unbiased");
   const MatchObserver quiet{.on_game = [](const PlayedGame&) {}, .is_enough = nullptr};
   MatchPlayer player(lineup, {.games = 20}, kNoModels);
   player.Play(5, quiet);
@@ -189,7 +190,7 @@ TEST(Match, GoesOnWhereItPaused) {
 
 TEST(Match, MeasuresAnAgentWithItselfAsMateInBothSeats) {
   MatchSettings settings{.game = GameSettingsFor("PommeTeamCompetition-v0").value(), .games = 2};
-  Lineup lineup = LineupOf("random", "idle");
+  MatchLineup lineup = LineupOf("random", "idle");
   EXPECT_EQ(PlayQuietly(lineup, settings).roles, std::vector<int>{0});
   lineup[2] = lineup[0];
   EXPECT_EQ(PlayQuietly(lineup, settings).roles, (std::vector<int>{0, 2}));
@@ -222,7 +223,7 @@ class Notes final : public ContestWatcher {
 
 TEST(Contest, PlaysEveryAgentOnTheSameBoards) {
   Notes notes;
-  const std::vector<Lineup> lineups = {LineupOf("idle", "random"), LineupOf("random", "random")};
+  const std::vector<MatchLineup> lineups = {LineupOf("idle", "random"), LineupOf("random", "random")};
   const auto results = PlayContest(lineups, ContestOf(8), kNoModels, notes);
   ASSERT_EQ(results.size(), 2u);
   for (int game = 0; game < 8; ++game) {
@@ -235,7 +236,7 @@ TEST(Contest, PlaysEveryAgentOnTheSameBoards) {
 
 TEST(Contest, AnswersAWinRateForEachAgentOnItsOwn) {
   Notes notes;
-  const std::vector<Lineup> lineups = {LineupOf("simple_unbiased", "idle"),
+  const std::vector<MatchLineup> lineups = {LineupOf("simple_unbiased", "idle"),
                                        LineupOf("idle", "simple_unbiased")};
   ContestSettings settings = ContestOf(5000, "win_rate=0.3..0.6", 10);
   settings.match.threads = 2;
@@ -256,7 +257,7 @@ TEST(Contest, AnswersAWinRateForEachAgentOnItsOwn) {
 
 TEST(Contest, AnswersAScoreDifferenceWithTheTwoTakingTurns) {
   Notes notes;
-  const std::vector<Lineup> lineups = {LineupOf("simple_unbiased", "simple_unbiased"),
+  const std::vector<MatchLineup> lineups = {LineupOf("simple_unbiased", "simple_unbiased"),
                                        LineupOf("random", "simple_unbiased")};
   const ContestSettings settings = ContestOf(5000, "score_difference=-0.2..0", 30);
   const auto results = PlayContest(lineups, settings, kNoModels, notes);
@@ -270,7 +271,7 @@ TEST(Contest, AnswersAScoreDifferenceWithTheTwoTakingTurns) {
 
 TEST(Contest, LeavesAQuestionOpenAfterTheLastGame) {
   Notes notes;
-  const std::vector<Lineup> lineups = {LineupOf("random", "random"), LineupOf("random", "random")};
+  const std::vector<MatchLineup> lineups = {LineupOf("random", "random"), LineupOf("random", "random")};
   const ContestSettings settings = ContestOf(60, "score_difference=0..0.01", 20);
   const auto results = PlayContest(lineups, settings, kNoModels, notes);
   EXPECT_EQ(results[1].test->answer, Answer::kOpen);
@@ -280,7 +281,7 @@ TEST(Contest, LeavesAQuestionOpenAfterTheLastGame) {
 
 TEST(Contest, RefusesAScoreDifferenceOfOneAgent) {
   Notes notes;
-  const std::vector<Lineup> lineups = {LineupOf("random", "random")};
+  const std::vector<MatchLineup> lineups = {LineupOf("random", "random")};
   const ContestSettings settings = ContestOf(5, "score_difference=0..0.01");
   EXPECT_THROW((void)PlayContest(lineups, settings, kNoModels, notes), Error);
 }

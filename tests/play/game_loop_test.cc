@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/play/support.h"
+#include "tests/search/settings_from_text.h"
 
 namespace powderkeg {
 namespace {
@@ -25,7 +26,7 @@ TEST(GameLoop, SearchedGamesAreTheSameAloneAndAmongSixtyFour) {
 TEST(GameLoop, SearchedGamesPassVerify) {
   for (const GameRecord& record : PlaySearchedGames(/*games=*/8, /*games_in_flight=*/3)) {
     EXPECT_EQ(Verify(record), std::nullopt) << "ticket " << record.ticket;
-    EXPECT_FALSE(record.decisions.empty());
+    EXPECT_GT(DecisionCount(record), 0u);
   }
 }
 
@@ -38,7 +39,7 @@ class AskingHost final : public ListHost {
   GamePlan PlanOf(int slot, std::uint64_t ticket) override {
     GamePlan plan;
     plan.setup = SetupOfSeats({kSearching, {}, {}, {}}, ticket);
-    plan.players[0] = {&agents_[static_cast<std::size_t>(slot)], model};
+    plan.agents[0] = {&agents_[static_cast<std::size_t>(slot)], model, /*takes_new_weights=*/true};
     return plan;
   }
 
@@ -68,7 +69,7 @@ TEST(GameLoop, CountsWhatItPlayed) {
   std::uint64_t decisions = 0;
   for (const GameRecord& record : host.records) {
     steps += record.actions.size();
-    decisions += record.decisions.size();
+    decisions += DecisionCount(record);
   }
   EXPECT_EQ(loop.games_running(), 0);
   EXPECT_EQ(loop.metrics().games, 9u);
@@ -108,9 +109,10 @@ TEST(GameLoop, OldAndNewWeightsAnswerSideBySide) {
   while (loop.RunRound()) {
   }
   for (const GameRecord& record : host.records) {
-    EXPECT_EQ(record.weights_version, record.ticket < 2 ? 1u : 2u);
-    for (const Decision& decision : record.decisions) {
-      EXPECT_EQ(decision.weights_version, record.weights_version);
+    const Track& track = record.tracks[0];
+    EXPECT_EQ(track.weights_version, record.ticket < 2 ? 1u : 2u);
+    for (const Decision& decision : track.decisions) {
+      EXPECT_EQ(decision.weights_version, track.weights_version);
       EXPECT_EQ(decision.value, record.ticket < 2 ? 0.5F : -0.5F);
     }
   }
@@ -123,8 +125,8 @@ TEST(GameLoop, SetModelReachesRunningGames) {
   loop.SetModel({std::make_shared<ConstantEvaluator>(-0.5F), /*weights_version=*/2});
   while (loop.RunRound()) {
   }
-  EXPECT_EQ(host.records[0].weights_version, 1u);
-  EXPECT_EQ(host.records[0].decisions.back().weights_version, 2u);
+  EXPECT_EQ(host.records[0].tracks[0].weights_version, 1u);
+  EXPECT_EQ(host.records[0].tracks[0].decisions.back().weights_version, 2u);
 }
 
 TEST(EvaluationBatches, ForgetsEvaluatorsThatNobodyAskedAndKeepsTheOthers) {

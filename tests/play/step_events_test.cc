@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "common/pommerman/board_text.h"
 #include "common/pommerman/generate.h"
 #include "common/pommerman/step.h"
+#include "tests/pommerman/board_reader.h"
 
 namespace powderkeg {
 namespace {

@@ -25,6 +25,7 @@ class AskingAgent final : public Agent {
   }
   void Begin(const Observation& observation) override {
     CHECK(!asking_ && observation.self == self_ && observation.alive[self_]);
+    heard.push_back(observation.message);
     state_.agents[self_].cell = observation.position;
     left_ = questions_;
     value_sum_ = 0;
@@ -44,12 +45,17 @@ class AskingAgent final : public Agent {
     value_sum_ += batch.evaluation(slot_).value;
   }
   [[nodiscard]] Action action() const override { return action_; }
+  [[nodiscard]] Message words() const override {
+    return {static_cast<std::uint8_t>(1 + self_), static_cast<std::uint8_t>(action_)};
+  }
   [[nodiscard]] std::optional<Decision> decision() const override {
     Decision decision;
     decision.visits[static_cast<std::size_t>(action_)] = 1;
     decision.value = questions_ == 0 ? 0 : value_sum_ / static_cast<float>(questions_);
     return decision;
   }
+
+  std::vector<Message> heard;  // the mate's words in all observations
 
  private:
   int questions_;
@@ -89,7 +95,8 @@ inline GameSetup SetupOfSeats(std::array<Seat, kAgentCount> seats, std::uint64_t
   return {settings, {BoardGenerator::kOfficial, StartCorners::kPermuted}, seats, seed};
 }
 
-inline constexpr Seat kSearching = {.searches = true};
+inline constexpr Seat kSearching = {
+    .searches = true, .teaches = Teaches::kSearch, .measured = true};
 inline constexpr Seat kSimpleUnbiasedSeat = {.searches = false,
                                              .policy = PolicyKind::kSimpleUnbiased};
 
@@ -103,7 +110,7 @@ inline GameRecord PlayGame(const GamePlan& plan) {
     game.Scatter(batches);
     batches.Clear();
   }
-  return game.TakeRecord();
+  return game.record();
 }
 
 // Gives out one plan per ticket and keeps the records, by ticket.
@@ -118,8 +125,7 @@ class ListHost : public GameHost {
     return plan;
   }
   void GameFinished(int /*slot*/, Game& game) override {
-    const std::uint64_t ticket = game.record().ticket;
-    records[ticket] = game.TakeRecord();
+    records[game.record().ticket] = game.record();
   }
   [[nodiscard]] virtual GamePlan PlanOf(int slot, std::uint64_t ticket) = 0;
 
@@ -142,7 +148,7 @@ class SearchHost final : public ListHost {
     seats[seat] = kSearching;
     GamePlan plan;
     plan.setup = SetupOfSeats(seats, /*seed=*/1000 + ticket);
-    plan.players[seat] = {AgentOf(slot), {evaluator_, /*weights_version=*/0}};
+    plan.agents[seat] = {AgentOf(slot), {evaluator_, /*weights_version=*/0}};
     return plan;
   }
 

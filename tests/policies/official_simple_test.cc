@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/pommerman/board_text.h"
+#include "tests/pommerman/board_reader.h"
 
 namespace powderkeg {
 namespace {

@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "common/pommerman/board_text.h"
 #include "common/pommerman/generate.h"
 #include "common/pommerman/step.h"
+#include "tests/pommerman/board_reader.h"
 
 namespace powderkeg {
 namespace {

@@ -5,10 +5,10 @@
 #include <cstdio>
 
 #include "common/pommerman/generate.h"
-#include "common/record/recorded_format.h"
 #include "common/record/rule_based_seat.h"
 #include "tests/pommerman/position.h"
 #include "tests/pommerman/random_game.h"
+#include "tools/official/recorded_format.h"
 
 namespace powderkeg {
 namespace {
@@ -62,7 +62,7 @@ TEST(BeliefTest, FullViewOfAFreeForAllIsTheTruthButForHiddenThings) {
   for (const char* environment : {"PommeFFACompetition-v0", "PommeFFA-v1", "PommeTeam-v0"}) {
     const GameSettings settings = GameSettingsFor(environment).value();
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
-      Belief belief(settings, BeliefSettings());
+      Belief belief(settings);
       std::array<bool, kAgentCount> has_secret{};
       PlayGame(settings, seed, [&](const State& state, const State& before) {
         belief.Observe(Observe(settings, state, 1));
@@ -93,7 +93,7 @@ TEST(BeliefTest, FullViewOfACrowdedBoardIsTheTruth) {
   Rng rng(1);
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     State state = CrowdedStart(kFullView, seed);
-    Belief belief(kFullView, BeliefSettings());
+    Belief belief(kFullView);
     belief.Observe(Observe(kFullView, state, 0));
     while (!OutcomeOf(kFullView, state).done) {
       JointAction actions{};
@@ -125,8 +125,7 @@ void ExpectInvariants(const State& state) {
 
 TEST(BeliefTest, UnderFogItShowsWhatIsSeenAndKeepsTheInvariants) {
   for (std::uint64_t seed = 0; seed < 16; ++seed) {
-    const BeliefSettings belief_settings = {.remember_cells = seed % 4 != 3};
-    Belief belief(kFog, belief_settings);
+    Belief belief(kFog);
     PlayGame(kFog, seed, [&](const State& truth, const State&) {
       if (!truth.agents[2].alive) return;
       const Observation seen = Observe(kFog, truth, 2);
@@ -182,7 +181,7 @@ TEST(BeliefTest, IsCloseToTheTruthInRecordedTeamGames) {
   Closeness sums;
   for (RecordedGame game; reader.Next(game);) {
     for (AgentId id = 0; id < kAgentCount; ++id) {
-      Belief belief(game.settings, BeliefSettings());
+      Belief belief(game.settings);
       belief.Observe(Observe(game.settings, game.start, id));
       for (const RecordedStep& step : game.steps) {
         if (!step.state.agents[id].alive) break;
@@ -208,9 +207,8 @@ TEST(BeliefTest, IsCloseToTheTruthInRecordedTeamGames) {
 }
 
 // The belief of agent 0 that sees these positions in consecutive steps.
-Belief BeliefAfter(const GameSettings& settings, std::initializer_list<State> positions,
-                   const BeliefSettings& belief_settings = {}) {
-  Belief belief(settings, belief_settings);
+Belief BeliefAfter(const GameSettings& settings, std::initializer_list<State> positions) {
+  Belief belief(settings);
   std::uint16_t step = 0;
   for (State position : positions) {
     position.step = step++;
@@ -260,7 +258,7 @@ TEST(BeliefTest, LearnsKickAndStrengthFromWhatOthersDo) {
 
 TEST(BeliefTest, AmmoComesBackWithTheExplosion) {
   State state = Position({"0", "", "", "", "......1", "......2"});
-  Belief belief(kFullView, BeliefSettings());
+  Belief belief(kFullView);
   belief.Observe(Observe(kFullView, state, 0));
   state = After(state, {kStop, kBomb, kRight});
   belief.Observe(Observe(kFullView, state, 0));
@@ -282,21 +280,10 @@ TEST(BeliefTest, ABombOfUnknownOriginIsTheNearestOthers) {
   EXPECT_EQ(belief.state().agents[2].ammo, 1);
 }
 
-TEST(BeliefTest, WorstCaseGivesOthersEverything) {
-  const Belief belief =
-      BeliefAfter(kFog, {Position({"0.1"})},
-                  BeliefSettings{.statistics = BeliefSettings::Statistics::kWorstCase});
-  EXPECT_EQ(belief.state().agents[0].ammo, 1);
-  EXPECT_FALSE(belief.state().agents[0].can_kick);
-  EXPECT_EQ(belief.state().agents[1].ammo, 10);
-  EXPECT_EQ(belief.state().agents[1].blast_strength, 4);
-  EXPECT_TRUE(belief.state().agents[1].can_kick);
-}
-
 TEST(BeliefTest, BombsOutOfSightRollAndExplode) {
   // Agent 0 sees columns 0 to 4; the bomb rolls out of sight and explodes there.
   State truth = Position({"0...o......", "....1"}, "bomb (0,4) owner 1 life 3 moving right");
-  Belief belief(kFog, BeliefSettings());
+  Belief belief(kFog);
   belief.Observe(Observe(kFog, truth, 0));
   for (int i = 0; i < 2; ++i) {
     truth = After(truth, {}, kFog);
@@ -311,15 +298,13 @@ TEST(BeliefTest, BombsOutOfSightRollAndExplode) {
   EXPECT_EQ(belief.state().flames[2], truth.flames[2]);
 }
 
-TEST(BeliefTest, ForgetsWhatIsOutOfSightWhereToldSo) {
+TEST(BeliefTest, RemembersABombOutOfSight) {
   const State far = Position({"0...o#"}, "bomb (0,4) owner 1 life 9");
   State away = After(far, {});
   away.agents[0].cell = CellAt(9, 0);
   const Belief remembering = BeliefAfter(kFog, {far, away});
   EXPECT_EQ(remembering.state().bomb_count, 1);
-  const Belief forgetting = BeliefAfter(kFog, {far, away}, {.remember_cells = false});
-  EXPECT_EQ(forgetting.state().bomb_count, 0);
-  EXPECT_TRUE(forgetting.ever_seen().Has(0));
+  EXPECT_TRUE(remembering.ever_seen().Has(0));
 }
 
 TEST(BeliefTest, AnAgentThatIsNotWhereItWasBelievedIsOutOfSight) {
@@ -334,7 +319,7 @@ TEST(BeliefTest, AnAgentThatIsNotWhereItWasBelievedIsOutOfSight) {
 TEST(BeliefTest, AnAgentKnownToLiveIsNotWhereABombExplodedOutOfSight) {
   // Both the bomb and agent 1 beside it are last seen in column 4.
   State truth = Position({"0...o......", "....1"}, "bomb (0,4) owner 1 life 2");
-  Belief belief(kFog, BeliefSettings());
+  Belief belief(kFog);
   belief.Observe(Observe(kFog, truth, 0));
   truth.agents[0].cell = CellAt(9, 0);
   truth = After(truth, {kStop, kRight}, kFog);
@@ -348,7 +333,7 @@ TEST(BeliefTest, AnAgentKnownToLiveIsNotWhereABombExplodedOutOfSight) {
 
 TEST(BeliefTest, AMissedObservationLosesNothingInView) {
   State truth = Position({"0..1"});
-  Belief belief(kFullView, BeliefSettings());
+  Belief belief(kFullView);
   belief.Observe(Observe(kFullView, truth, 0));
   truth = After(After(After(truth, {kStop, kBomb}), {kStop, kDown}), {kStop, kDown});
   belief.Observe(Observe(kFullView, truth, 0));
@@ -357,57 +342,71 @@ TEST(BeliefTest, AMissedObservationLosesNothingInView) {
   EXPECT_EQ(belief.state().agents[1].ammo, 0);
 }
 
-TEST(BeliefTest, TheTeamMatesWordsArrive) {
-  const GameSettings radio = GameSettingsFor("PommeRadio-v2").value();
-  const Belief belief = BeliefAfter(radio, {Position({"0.2"}, "agent 2 words 3 7")});
-  EXPECT_EQ(belief.state().messages[2], (Message{3, 7}));
-}
-
 const GameSettings kRadio = GameSettingsFor("PommeRadioCompetition-v2").value();
 
+// What agent 0 believes of a position that lasts, while its mate says that it is on `said`.
+Belief BeliefTold(State truth, Cell said, const GameSettings& settings = kRadio) {
+  Belief belief(settings);
+  for (std::uint16_t step = 0; step < 3; ++step) {
+    truth.step = step;
+    Observation seen = Observe(settings, truth, 0);
+    if (step > 0) seen.message = EncodeReport(step - 1, said, kStop);
+    belief.Observe(seen);
+  }
+  return belief;
+}
+
 TEST(BeliefTest, AMateOutOfSightIsWhereItSaysItIs) {
-  Belief belief =
-      BeliefAfter(kRadio, {Position({"0", "", "", "", "", "", "", "", "", ".........2"})});
-  belief.HearMate(CellAt(3, 8));
+  const State truth = Position({"0", "", "", "", "", "", "", "", "", ".........2"});
+  const Belief belief = BeliefTold(truth, CellAt(3, 8));
   EXPECT_EQ(belief.state().agents[2].cell, CellAt(3, 8));
-  belief.HearMate(CellAt(3, 8));
-  EXPECT_EQ(belief.state().agents[2].cell, CellAt(3, 8)) << "its own cell is not taken";
+  EXPECT_EQ(belief.state().messages, State().messages) << "words are no part of the position";
 }
 
 TEST(BeliefTest, AMateIsBelievedOnTheNearestCellWhereItCanBe) {
   // Agent 0 sees rows and columns 0 to 4.
-  Belief belief = BeliefAfter(kRadio, {Position({"0.........3", "", "..........2"})});
-  belief.HearMate(CellAt(3, 2));  // in view, where it is not
-  EXPECT_EQ(belief.state().agents[2].cell, CellAt(5, 2));
-  belief.HearMate(CellAt(0, 5));
-  EXPECT_EQ(belief.state().agents[2].cell, CellAt(0, 5));
-  const Cell other = belief.state().agents[3].cell;
-  belief.HearMate(other);
-  EXPECT_EQ(ManhattanDistance(belief.state().agents[2].cell, other), 1);
+  const State truth = Position({"0.........3", "", "..........2"});
+  const auto believed = [&](Cell said) {
+    return Cell{BeliefTold(truth, said).state().agents[2].cell};
+  };
+  EXPECT_EQ(believed(CellAt(3, 2)), CellAt(5, 2)) << "in view, where it is not";
+  EXPECT_EQ(believed(CellAt(0, 5)), CellAt(0, 5));
+  const Cell other = BeliefTold(truth, CellAt(0, 5)).state().agents[3].cell;
+  EXPECT_EQ(ManhattanDistance(believed(other), other), 1);
 }
 
 TEST(BeliefTest, WordsDoNotMoveAMateInViewADeadOneOrAnEnemy) {
-  Belief seeing = BeliefAfter(kRadio, {Position({"0.2"})});
-  seeing.HearMate(CellAt(9, 9));
-  EXPECT_EQ(seeing.state().agents[2].cell, CellAt(0, 2));
-  Belief mourning = BeliefAfter(kRadio, {Position({"0.........1"})});
-  const State before = mourning.state();
-  mourning.HearMate(CellAt(9, 9));
-  EXPECT_EQ(mourning.state(), before);
-  Belief alone = BeliefAfter(kFullView, {Position({"0.........2"})});
-  alone.HearMate(CellAt(9, 9));
-  EXPECT_EQ(alone.state().agents[2].cell, CellAt(0, 10));
+  EXPECT_EQ(BeliefTold(Position({"0.2"}), CellAt(9, 9)).state().agents[2].cell, CellAt(0, 2));
+  const State mourning = Position({"0.........1"});
+  EXPECT_EQ(BeliefTold(mourning, CellAt(9, 9)).state(), BeliefTold(mourning, 0).state());
+  const State alone = Position({"0.........2"});
+  EXPECT_EQ(BeliefTold(alone, CellAt(9, 9), kFullView).state().agents[2].cell, CellAt(0, 10));
+}
+
+TEST(BeliefTest, AMateInViewElsewhereThanItSaysIsNotBelieved) {
+  Belief belief(kRadio);
+  State truth = Position({"0.2"});
+  for (std::uint16_t step = 0; step < 8; ++step) {
+    truth.step = step;
+    if (step == 4) truth.agents[2].cell = CellAt(0, 5);  // just out of sight
+    Observation seen = Observe(kRadio, truth, 0);
+    if (step > 0) seen.message = EncodeReport(step - 1, CellAt(9, 9), kStop);
+    belief.Observe(seen);
+  }
+  EXPECT_LT(ManhattanDistance(belief.state().agents[2].cell, CellAt(0, 2)), 5);
 }
 
 TEST(BeliefTest, WhateverTheMateSaysTheInvariantsHold) {
   Rng rng(4);
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
-    Belief belief(kRadio, BeliefSettings());
+    Belief belief(kRadio);
     PlayGame(kRadio, seed, [&](const State& truth, const State&) {
       if (!truth.agents[2].alive) return;
-      const Observation seen = Observe(kRadio, truth, 2);
+      Observation seen = Observe(kRadio, truth, 2);
+      const auto word = [&] { return static_cast<std::uint8_t>(rng.Below(8)); };
+      seen.message = {word(), word()};
       belief.Observe(seen);
-      belief.HearMate(static_cast<Cell>(rng.Below(kCellCount)));
+      seen.message = {};
       ASSERT_EQ(Observe(kRadio, belief.state(), 2), seen);
       ExpectInvariants(belief.state());
       ASSERT_FALSE(::testing::Test::HasNonfatalFailure()) << ToText(belief.state());
@@ -415,11 +414,16 @@ TEST(BeliefTest, WhateverTheMateSaysTheInvariantsHold) {
   }
 }
 
+TEST(BeliefTest, ReportsWhereItsAgentIs) {
+  const Belief belief = BeliefAfter(kRadio, {Position({"0"}), Position({".0"})});
+  EXPECT_EQ(belief.Report(kDown), EncodeReport(1, CellAt(0, 1), kDown));
+}
+
 TEST(BeliefTest, KnowsTheBoardAfterACollapse) {
   GameSettings settings = kFullView;
   settings.collapse_steps = {1, 0, 0, 0};
   State state = Position({"0", "", "..1"});
-  Belief belief(settings, BeliefSettings());
+  Belief belief(settings);
   belief.Observe(Observe(settings, state, 1));
   EXPECT_FALSE(belief.state().rigid.Has(0));
   state = After(state, {}, settings);

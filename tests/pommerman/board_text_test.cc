@@ -1,8 +1,7 @@
-#include "common/pommerman/board_text.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/pommerman/board_reader.h"
 #include "tests/pommerman/position.h"
 
 namespace powderkeg {

@@ -2,15 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "common/pommerman/board_text.h"
-#include "common/record/json_lines.h"
-#include "common/record/recorded_format.h"
+#include "tools/official/json_lines.h"
 
 namespace powderkeg {
 namespace {
@@ -133,7 +134,7 @@ TEST(OneVsOneStart, UsesTheTopLeftSquareForTwo) {
   for (const BoardGenerator generator : {BoardGenerator::kOfficial, BoardGenerator::kUniform}) {
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
       const State state = GenerateStart(kOneVsOne, {.generator = generator}, Rng(seed));
-      ASSERT_EQ(state.AliveCount(), 2);
+      ASSERT_EQ(state.AgentCells().Count(), 2);
       ASSERT_EQ(state.agents[0].cell, CellAt(1, 1));
       ASSERT_EQ(state.agents[1].cell, CellAt(6, 6));
       ASSERT_EQ(state.rigid.Count(), 16 + kCellCount - 64);
@@ -148,10 +149,31 @@ TEST(OneVsOneStart, UsesTheTopLeftSquareForTwo) {
 
 // ---- The distribution of the official environment ----
 
+// A line of start_boards.jsonl: board and hidden items.
+State OfficialBoard(const std::string& line) {
+  const auto json = nlohmann::json::parse(line);
+  const std::string board = json.at("b");
+  State state;
+  for (Cell cell = 0; cell < kCellCount; ++cell) {
+    const char digit = board.at(static_cast<std::size_t>(cell));
+    if (digit == '1') state.rigid.Add(cell);
+    if (digit == '2') state.wood.Add(cell);
+    if (digit < 'a') continue;
+    AgentState& agent = state.agents.at(static_cast<std::size_t>(digit - 'a'));
+    agent.alive = true;
+    agent.cell = static_cast<std::uint8_t>(cell);
+  }
+  for (const std::array<int, 3> item : json.at("it")) {
+    constexpr int kBeforeFirst = static_cast<int>(CellValue::kExtraBomb) - 1;
+    state.SetItem(CellAt(item[0], item[1]), static_cast<Item>(item[2] - kBeforeFirst));
+  }
+  return state;
+}
+
 std::vector<State> OfficialBoards() {
   LineReader reader("tests/data/start_boards.jsonl.gz");
   std::vector<State> boards;
-  for (std::string line; reader.Next(line);) boards.push_back(StartBoardFromRecorded(line));
+  for (std::string line; reader.Next(line);) boards.push_back(OfficialBoard(line));
   return boards;
 }
 

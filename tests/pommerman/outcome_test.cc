@@ -102,7 +102,7 @@ TEST(Collapsing, TurnsOneRingIntoWallsWithAllThatIsOnIt) {
   EXPECT_EQ(state.bomb_count, 0);
   EXPECT_TRUE(state.bomb_cells.Empty());
   EXPECT_EQ(state.agents[2].ammo, 2);
-  EXPECT_EQ(state.AliveCount(), 0);
+  EXPECT_EQ(state.AgentCells().Count(), 0);
 }
 
 TEST(Collapsing, GoesInwardsAtItsSteps) {
@@ -127,7 +127,7 @@ TEST(Collapsing, NeverHappensWithoutSteps) {
 TEST(Collapsing, EndsTheGameOnlyWithTheNextStep) {
   State state = Position({"0", "", "..1"}, "step 499");
   EXPECT_FALSE(Advance(kCollapsing, Actions({}), state).done);
-  EXPECT_EQ(state.AliveCount(), 1);
+  EXPECT_EQ(state.AgentCells().Count(), 1);
   const Outcome outcome = Advance(kCollapsing, Actions({}), state);
   EXPECT_TRUE(outcome.done);
   EXPECT_EQ(outcome.winners, 0b0010);

@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include "common/pommerman/board_text.h"
 #include "common/pommerman/game_settings.h"
 #include "common/pommerman/step.h"
+#include "tests/pommerman/board_reader.h"
 
 namespace powderkeg {
 

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "common/pommerman/board_text.h"
 #include "common/pommerman/generate.h"
 #include "common/pommerman/observation.h"
 #include "common/pommerman/step.h"
+#include "tests/pommerman/board_reader.h"
 #include "tests/pommerman/random_game.h"
 
 namespace powderkeg {
@@ -28,7 +28,7 @@ void ExpectBombsConsistent(const State& state) {
 }
 
 void ExpectAgentsApart(const State& state) {
-  ASSERT_EQ(state.AgentCells().Count(), state.AliveCount());
+  ASSERT_EQ(state.AgentCells().Count(), std::ranges::count(state.agents, true, &AgentState::alive));
   ASSERT_TRUE((state.AgentCells() & (state.rigid | state.wood | state.VisibleItems())).Empty());
 }
 

@@ -527,7 +527,7 @@ TEST(Burning, DestroysVisibleItemsAndUncoversHiddenOnesLater) {
 TEST(Burning, KillsWhoeverStandsInNewOrOldFlamesAtOnce) {
   const State state = After(Position({"0o1", "*2"}, "bomb (0,1) life 1\nflame (1,0) life 2"),
                             {kStop, kStop, kLeft});
-  EXPECT_EQ(state.AliveCount(), 0);
+  EXPECT_EQ(state.AgentCells().Count(), 0);
   EXPECT_EQ(state.agents[2].cell, CellAt(1, 0));
 }
 

@@ -9,6 +9,8 @@
 namespace powderkeg {
 namespace {
 
+Symmetry Inverse(Symmetry symmetry) { return symmetry < 4 ? (4 - symmetry) % 4 : symmetry; }
+
 TEST(Symmetry, NumbersMirrorColumnsFirstAndThenTurnClockwise) {
   EXPECT_EQ(Transform(0, CellAt(0, 3)), CellAt(0, 3));
   EXPECT_EQ(Transform(1, CellAt(0, 3)), CellAt(3, 10));

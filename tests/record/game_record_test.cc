@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-enum class End : std::uint8_t { kOfficial, kLastSearchDeath };
+enum class End : std::uint8_t { kOfficial, kEarly };
 
 GameSetup SetupOf(std::array<bool, kAgentCount> searches, std::uint64_t seed) {
   GameSetup setup;
@@ -24,22 +24,19 @@ GameSetup SetupOf(std::array<bool, kAgentCount> searches, std::uint64_t seed) {
       PolicyKind::kHarmless, PolicyKind::kSimpleUnbiased, PolicyKind::kOfficialSimple,
       PolicyKind::kSimpleUnbiased};
   for (AgentId id = 0; id < kAgentCount; ++id) {
-    setup.seats[id] = {.searches = searches[id], .policy = kPolicies[id]};
+    setup.seats[id] = {.searches = searches[id],
+                       .policy = kPolicies[id],
+                       .teaches = searches[id] ? Teaches::kSearch : Teaches::kNothing,
+                       .measured = searches[id]};
   }
   return setup;
 }
 
-bool SearcherLives(const GameSetup& setup, const State& state) {
-  for (AgentId id = 0; id < kAgentCount; ++id) {
-    if (setup.seats[id].searches && state.agents[id].alive) return true;
-  }
-  return false;
-}
-
 // Plays a game whose searching seats are played by SimpleUnbiased, which differ from the others in
 // that every fourth move claims no search.
-GameRecord Play(const GameSetup& setup, End end = End::kOfficial) {
+GameRecord Play(GameSetup setup, End end = End::kOfficial) {
   GameRecord record;
+  setup.to_the_end = end == End::kOfficial;
   record.setup = setup;
   record.evaluator = "uniform";
   const GameSettings& settings = setup.settings;
@@ -47,7 +44,7 @@ GameRecord Play(const GameSetup& setup, End end = End::kOfficial) {
   std::array<RuleBasedSeat, kAgentCount> seats;
   for (AgentId id = 0; id < kAgentCount; ++id) {
     GameSetup player = setup;
-    if (setup.seats[id].searches) player.seats[id] = {false, PolicyKind::kSimpleUnbiased};
+    if (setup.seats[id].searches) player.seats[id] = {.policy = PolicyKind::kSimpleUnbiased};
     seats[id] = RuleBasedSeat(player, id);
   }
   while (!record.outcome.done) {
@@ -58,15 +55,15 @@ GameRecord Play(const GameSetup& setup, End end = End::kOfficial) {
       if (!state.agents[id].alive) continue;
       actions[id] = seats[id].Decide(settings, observed);
       if (!setup.seats[id].searches || state.step % 4 == 3) continue;
-      Decision decision{.step = state.step, .agent = static_cast<std::uint8_t>(id)};
+      Decision decision{.step = state.step};
       decision.visits[static_cast<int>(actions[id])] = 100;
       decision.value = static_cast<float>(id) / 4;
-      record.decisions.push_back(decision);
+      record.tracks[id].decisions.push_back(decision);
     }
     record.actions.push_back(actions);
     Step(settings, actions, state);
     record.outcome = OutcomeOf(settings, state);
-    if (end == End::kLastSearchDeath && !SearcherLives(setup, state)) break;
+    if (EndsEarly(setup, state)) break;
   }
   return record;
 }
@@ -75,8 +72,8 @@ GameRecord Play(const GameSetup& setup, End end = End::kOfficial) {
 GameRecord LongRecord() {
   for (std::uint64_t seed = 0;; ++seed) {
     GameRecord record = Play(SetupOf({true, false, false, false}, seed));
-    if (record.decisions.size() > 30 &&
-        record.decisions.back().step + 20u < record.actions.size()) {
+    const std::vector<Decision>& decisions = record.tracks[0].decisions;
+    if (decisions.size() > 30 && decisions.back().step + 20u < record.actions.size()) {
       return record;
     }
   }
@@ -103,7 +100,7 @@ TEST(GameRecordTest, PlayedGamesVerify) {
     if (seed % 4 == 1) setup.settings = *GameSettingsFor("PommeTeamCompetition-v0");
     if (seed % 4 == 2) setup.settings = *GameSettingsFor("PommeFFA-v1");
     if (seed % 4 == 3) setup.settings = *GameSettingsFor("OneVsOne-v0");
-    for (const End end : {End::kOfficial, End::kLastSearchDeath}) {
+    for (const End end : {End::kOfficial, End::kEarly}) {
       const auto refusal = Verify(Play(setup, end));
       EXPECT_EQ(refusal, std::nullopt) << "seed " << seed << ": " << refusal.value_or("");
     }
@@ -114,30 +111,24 @@ TEST(GameRecordTest, CollapsingBoardsKillAndVerify) {
   GameSetup setup = SetupOf({true, true, false, false}, 1);
   setup.settings.collapse_steps = {20, 30, 40, 50};
   for (setup.seed = 0; setup.seed < 40; ++setup.seed) {
-    for (const End end : {End::kOfficial, End::kLastSearchDeath}) {
+    for (const End end : {End::kOfficial, End::kEarly}) {
       const auto refusal = Verify(Play(setup, end));
       EXPECT_EQ(refusal, std::nullopt) << refusal.value_or("");
     }
   }
 }
 
-TEST(GameRecordTest, VisitorSeesEveryDecisionInItsPosition) {
+TEST(GameRecordTest, AnObserverSeesEveryStepBeforeItIsPlayed) {
   const GameRecord record = LongRecord();
-  struct Seen {
-    const GameRecord& record;
-    std::size_t count = 0;
-  } seen{record};
-  const PositionVisitor visit = [](void* context, const State& state, const Decision& decision,
-                                   Action action) {
-    auto& [expected, count] = *static_cast<Seen*>(context);
-    EXPECT_EQ(decision, expected.decisions[count]);
-    EXPECT_EQ(state.step, decision.step);
-    EXPECT_TRUE(state.agents[decision.agent].alive);
-    EXPECT_EQ(action, expected.actions[decision.step][decision.agent]);
-    ++count;
-  };
-  EXPECT_EQ(Verify(record, visit, &seen), std::nullopt);
-  EXPECT_EQ(seen.count, record.decisions.size());
+  std::size_t steps = 0;
+  EXPECT_EQ(Verify(record,
+                   [&](const State& state, const JointAction& actions) {
+                     EXPECT_EQ(state.step, steps);
+                     EXPECT_EQ(actions, record.actions[steps]);
+                     ++steps;
+                   }),
+            std::nullopt);
+  EXPECT_EQ(steps, record.actions.size());
 }
 
 TEST(GameRecordTest, ActionsOfRuleBasedSeatsMustBeTheirs) {
@@ -146,7 +137,7 @@ TEST(GameRecordTest, ActionsOfRuleBasedSeatsMustBeTheirs) {
 }
 
 TEST(GameRecordTest, EveryChangedActionIsRefused) {
-  const GameRecord record = Play(SetupOf({false, false, false, true}, 3), End::kLastSearchDeath);
+  const GameRecord record = Play(SetupOf({false, false, false, true}, 3), End::kEarly);
   ASSERT_EQ(Verify(record), std::nullopt);
   for (std::size_t step = 0; step < record.actions.size(); ++step) {
     for (AgentId id = 0; id < 3; ++id) {
@@ -179,7 +170,7 @@ TEST(GameRecordTest, OtherSeedsStartsAndSettingsAreRefused) {
   ExpectRefused([](GameRecord& r) { r.setup.settings.collapse_steps = {2, 3, 4, 5}; }, "step");
   ExpectRefused([](GameRecord& r) { r.setup.seats[1].policy = PolicyKind::kIdle; },
                 "but idle plays");
-  ExpectRefused([](GameRecord& r) { r.setup.seats[0].searches = false; }, "which does not search");
+  ExpectRefused([](GameRecord& r) { r.setup.seats[0].searches = false; }, "which teaches no search");
 }
 
 TEST(GameRecordTest, SettingsOutOfRangeAreRefused) {
@@ -217,39 +208,40 @@ TEST(GameRecordTest, LengthsOutOfRangeAreRefused) {
   ExpectRefused([](GameRecord& r) { r.evaluator.assign(129, 'x'); }, "evaluator name of 129 bytes");
 }
 
-TEST(GameRecordTest, DecisionsMustBelongToLivingSearchingSeats) {
-  ExpectRefused([](GameRecord& r) { r.decisions[3].agent = 1; },
-                "decision of agent 1, which does not search");
-  ExpectRefused([](GameRecord& r) { r.decisions[3].agent = 4; }, "decision of agent 4");
-  ExpectRefused([](GameRecord& r) { r.decisions[3].agent = 255; }, "decision of agent 255");
+TEST(GameRecordTest, DecisionsMustBelongToLivingSeatsThatTeachTheirSearch) {
+  ExpectRefused([](GameRecord& r) { std::swap(r.tracks[0], r.tracks[1]); },
+                "decision of agent 1, which teaches no search");
+  ExpectRefused([](GameRecord& r) { r.setup.seats[0].teaches = Teaches::kNothing; },
+                "decision of agent 0, which teaches no search");
+  ExpectRefused([](GameRecord& r) { r.setup.seats[0].teaches = Teaches::kMoves; },
+                "decision of agent 0, which teaches no search");
   ExpectRefused(
       [](GameRecord& r) {
-        Decision late = r.decisions.back();
+        Decision late = r.tracks[0].decisions.back();
         late.step = static_cast<std::uint16_t>(r.actions.size() - 1);
-        r.decisions.push_back(late);
+        r.tracks[0].decisions.push_back(late);
       },
       "decision of agent 0, which is dead");
 }
 
 TEST(GameRecordTest, DecisionsMustBeInOrder) {
-  ExpectRefused([](GameRecord& r) { std::swap(r.decisions[2], r.decisions[3]); }, "out of order");
-  ExpectRefused([](GameRecord& r) { r.decisions.push_back(r.decisions.back()); }, "out of order");
-  ExpectRefused([](GameRecord& r) { r.decisions.back().step = 65535; }, "was not played");
-  GameRecord two = Play(SetupOf({true, true, false, false}, 5));
-  ASSERT_EQ(Verify(two), std::nullopt);
-  ASSERT_EQ(two.decisions[0].step, two.decisions[1].step);
-  std::swap(two.decisions[0], two.decisions[1]);
-  ExpectRefused(two, "out of order");
+  const auto refused = [](const std::function<void(std::vector<Decision>&)>& tamper,
+                          const std::string& reason) {
+    ExpectRefused([&](GameRecord& r) { tamper(r.tracks[0].decisions); }, reason);
+  };
+  refused([](auto& d) { std::swap(d[2], d[3]); }, "out of order");
+  refused([](auto& d) { d.push_back(d.back()); }, "out of order");
+  refused([](auto& d) { d.back().step = 65535; }, "was not played");
 }
 
 TEST(GameRecordTest, DecisionsMayHaveNoPolicyButMustHaveAValue) {
   GameRecord record = Play(SetupOf({true, false, false, false}, 5));
-  record.decisions[4].visits = {};
+  record.tracks[0].decisions[4].visits = {};
   EXPECT_EQ(Verify(record), std::nullopt);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   for (const float value : {1.01f, -1.01f, kNan, kInfinity, -kInfinity}) {
-    ExpectRefused([&](GameRecord& r) { r.decisions[4].value = value; }, "expected -1 to 1");
+    ExpectRefused([&](GameRecord& r) { r.tracks[0].decisions[4].value = value; }, "expected -1 to 1");
   }
 }
 
@@ -267,26 +259,40 @@ TEST(GameRecordTest, NothingFollowsTheEnd) {
   ExpectRefused([](GameRecord& r) { r.actions.push_back({}); }, "the game is over before it");
 }
 
-TEST(GameRecordTest, GamesEndByThemselvesOrWithTheLastSearchingAgent) {
+TEST(GameRecordTest, GamesEndByThemselvesOrWhenNoMeasuredAgentCanWin) {
   const GameSetup setup = LongRecord().setup;
-  GameRecord record = Play(setup, End::kLastSearchDeath);
+  GameRecord record = Play(setup, End::kEarly);
   ASSERT_FALSE(record.outcome.done);
   ASSERT_EQ(Verify(record), std::nullopt);
-  const std::string reason = "ends neither";
   const GameRecord whole = Play(setup);
   GameRecord longer = record;
   longer.actions.push_back(whole.actions[record.actions.size()]);
-  ExpectRefused(longer, reason);
+  ExpectRefused(longer, "the game is over before it");
   GameRecord shorter = record;
   shorter.actions.pop_back();
   shorter.outcome.rewards = {};
-  while (shorter.decisions.back().step >= shorter.actions.size()) shorter.decisions.pop_back();
+  std::vector<Decision>& decisions = shorter.tracks[0].decisions;
+  while (decisions.back().step >= shorter.actions.size()) decisions.pop_back();
   EXPECT_TRUE(Verify(shorter));
+}
+
+// The searcher of a team may die: the game goes on while its mate lives, and counts for both.
+TEST(GameRecordTest, ATeamIsMeasuredWhileOneOfItLives) {
+  int outlived = 0;
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    GameSetup setup = SetupOf({true, false, false, false}, seed);
+    setup.settings = *GameSettingsFor("PommeTeamCompetition-v0");
+    const GameRecord record = Play(setup, End::kEarly);
+    EXPECT_TRUE(record.outcome.done);
+    const auto& decisions = record.tracks[0].decisions;
+    if (decisions.empty() || decisions.back().step + 5u < record.actions.size()) ++outlived;
+  }
+  EXPECT_GT(outlived, 3);
 }
 
 TEST(GameRecordTest, OutcomesFollowTheOfficialResult) {
   GameRecord record;
-  record.setup.seats[0].searches = true;
+  record.setup.seats[0].measured = true;
   EXPECT_EQ(OutcomeFor(record, 0), -1);  // not played on after its death
   EXPECT_EQ(OutcomeFor(record, 1), 0);
   record.outcome = {.done = true, .result = Result::kWin, .winners = 0b1010, .rewards = {}};
@@ -313,19 +319,20 @@ TEST(GameRecordTest, GeneratorsOfAGameAreIndependent) {
 
 // Random garbage never crashes and is never accepted.
 TEST(GameRecordTest, RandomChangesAreRefusedOrHarmless) {
-  const GameRecord record = Play(SetupOf({true, true, false, false}, 9), End::kLastSearchDeath);
+  const GameRecord record = Play(SetupOf({true, true, false, false}, 9), End::kEarly);
   ASSERT_EQ(Verify(record), std::nullopt);
   Rng rng(1);
   for (int round = 0; round < 300; ++round) {
     GameRecord changed = record;
     const auto step = rng.Below(static_cast<std::uint32_t>(record.actions.size()));
-    const auto index = rng.Below(static_cast<std::uint32_t>(record.decisions.size()));
-    switch (rng.Below(5)) {
+    const auto index = rng.Below(static_cast<std::uint32_t>(record.tracks[1].decisions.size()));
+    switch (rng.Below(4)) {
       case 0: changed.actions[step][rng.Below(4)] = static_cast<Action>(rng.Below(256)); break;
       case 1: changed.actions.resize(step); break;
-      case 2: changed.decisions[index].step = static_cast<std::uint16_t>(rng.Below(900)); break;
-      case 3: changed.decisions[index].agent = static_cast<std::uint8_t>(rng.Below(256)); break;
-      case 4: changed.setup.seed = rng.Next(); break;
+      case 2:
+        changed.tracks[1].decisions[index].step = static_cast<std::uint16_t>(rng.Below(900));
+        break;
+      case 3: changed.setup.seed = rng.Next(); break;
     }
     const auto refusal = Verify(changed);
     EXPECT_EQ(refusal.has_value(), changed != record) << "round " << round;

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/pommerman/board_text.h"
+#include "tests/pommerman/board_reader.h"
 
 namespace powderkeg {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "actors/search/search_settings.h"
+#include "common/config/search_settings.h"
 #include "common/pommerman/step.h"
 
 namespace powderkeg {

@@ -7,10 +7,11 @@
 #include <string>
 #include <tuple>
 
-#include "common/pommerman/board_text.h"
+#include "tests/pommerman/board_reader.h"
 #include "tests/search/hash_evaluator.h"
 #include "tests/search/known_answers.h"
 #include "tests/search/search_support.h"
+#include "tests/search/settings_from_text.h"
 
 namespace powderkeg {
 namespace {

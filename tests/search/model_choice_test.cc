@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "actors/search/order_inference.h"
-#include "common/pommerman/board_text.h"
 #include "common/pommerman/step.h"
+#include "tests/pommerman/board_reader.h"
 #include "tests/search/search_support.h"
 
 namespace powderkeg {

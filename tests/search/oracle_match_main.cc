@@ -69,7 +69,7 @@ struct Score {
 class Match {
  public:
   Match(const Knowledge& knowledge, int simulations, std::uint64_t first_seed, std::uint64_t game)
-      : self_(static_cast<AgentId>(game % kAgentCount)), belief_(setup_.settings, {}) {
+      : self_(static_cast<AgentId>(game % kAgentCount)), belief_(setup_.settings) {
     setup_.seed = first_seed + game / kAgentCount;
     setup_.start.corners = StartCorners::kPermuted;
     setup_.seats.fill({.searches = false, .policy = PolicyKind::kSimpleUnbiased});
@@ -114,7 +114,7 @@ class Match {
   SearchResult Think(Search& search, const State& state) {
     const State before = belief_.state();
     belief_.Observe(Observe(setup_.settings, state, self_));
-    if (state.step > 0) models_.ObserveStep(before, belief_.state());
+    if (state.step > 0) models_.ObserveStep({before}, {belief_.state()});
     search.Start(belief_.state(), models_, SearchRng(setup_, self_).Split(1U + state.step));
     return Finish(search, evaluator_, setup_.settings);
   }

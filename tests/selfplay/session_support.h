@@ -74,7 +74,7 @@ class TestLearner {
                        const std::vector<std::uint64_t>& known = {})
       : server(std::make_unique<SessionServer>(
             std::move(settings), std::move(channel),
-            [this](std::vector<GameRecord> games) { Append(std::move(games)); }, known)) {}
+            [this](const auto& games, const auto& /*lessons*/) { Append(games); }, known)) {}
   ~TestLearner() { Release(); }
 
   // Appends wait from now on, until Release.
@@ -103,11 +103,11 @@ class TestLearner {
     }
     released_.notify_all();
   }
-  void Append(std::vector<GameRecord> games) {
+  void Append(const std::vector<GameRecord>& games) {
     std::unique_lock lock(mutex_);
     released_.wait(lock, [&] { return !held_; });
     if (!failure_.empty()) throw Error(failure_);
-    for (GameRecord& game : games) games_.push_back(std::move(game));
+    games_.insert(games_.end(), games.begin(), games.end());
   }
 
   mutable std::mutex mutex_;

@@ -18,10 +18,10 @@
 #include "common/config/config.h"
 #include "common/model/network_description.h"
 #include "common/wire/codec.h"
-#include "common/wire/in_process_transport.h"
 #include "common/wire/zmq_transport.h"
 #include "learner/intake/session_server.h"
 #include "tests/selfplay/session_support.h"
+#include "tests/wire/in_process_transport.h"
 #include "tests/wire/played_tickets.h"
 
 namespace powderkeg {

@@ -25,9 +25,9 @@ inline SelfPlayConfig QuickConfig() {
 // A legal action of the agent, recorded with made-up visits that favour it.
 inline Action DecideAtRandom(const State& state, AgentId agent, Rng& rng, GameRecord& record) {
   const ActionSet legal = LegalActions(state, agent);
-  Decision decision{.step = state.step, .agent = static_cast<std::uint8_t>(agent)};
+  Decision decision{.step = state.step};
   decision.value = QuantiseValue(static_cast<float>(rng.Uniform() * 2 - 1));
-  decision.weights_version = record.weights_version + rng.Below(2);
+  decision.weights_version = record.tracks[agent].weights_version + rng.Below(2);
   std::vector<std::size_t> actions;
   for (std::size_t i = 0; i < kActionCount; ++i) {
     if ((legal >> i & 1) == 0) continue;
@@ -36,7 +36,7 @@ inline Action DecideAtRandom(const State& state, AgentId agent, Rng& rng, GameRe
   }
   const std::size_t chosen = actions[rng.Below(static_cast<std::uint32_t>(actions.size()))];
   decision.visits[chosen] = static_cast<std::uint16_t>(decision.visits[chosen] + 150);
-  record.decisions.push_back(decision);
+  record.tracks[agent].decisions.push_back(decision);
   return static_cast<Action>(chosen);
 }
 
@@ -44,8 +44,7 @@ inline Action DecideAtRandom(const State& state, AgentId agent, Rng& rng, GameRe
 inline GameRecord PlayTicket(const SelfPlayConfig& config, std::uint64_t ticket) {
   GameRecord record;
   record.ticket = ticket;
-  record.setup = SetupFor(config, ticket);
-  record.weights_version = 7;
+  record.setup = RunGames(config).SetupFor(ticket);
   record.evaluator = "uniform";
   const GameSetup& setup = record.setup;
   State state = GenerateStart(setup.settings, setup.start, BoardRng(setup));
@@ -54,6 +53,7 @@ inline GameRecord PlayTicket(const SelfPlayConfig& config, std::uint64_t ticket)
   for (AgentId seat = 0; seat < kAgentCount; ++seat) {
     if (setup.seats[seat].searches) {
       searching = seat;
+      record.tracks[seat].weights_version = 7;
     } else {
       rule_based[seat] = RuleBasedSeat(setup, seat);
     }

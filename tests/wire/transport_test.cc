@@ -1,5 +1,7 @@
+#include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netdb.h>
 
 #include <filesystem>
 #include <functional>
@@ -8,9 +10,32 @@
 #include <utility>
 
 #include "common/base/check.h"
-#include "common/wire/in_process_transport.h"
 #include "common/wire/messages.h"
 #include "common/wire/zmq_transport.h"
+#include "tests/wire/in_process_transport.h"
+
+namespace {
+
+using Resolver = int (*)(const char*, const char*, const addrinfo*, addrinfo**);
+constexpr const char* kManyAddresses = "many-addresses.invalid";
+
+}  // namespace
+
+// Stands before the system's function for this whole program: a name with three addresses, of which
+// the learner listens on the last.
+extern "C" int getaddrinfo(const char* name, const char* service, const addrinfo* hints,
+                           addrinfo** result) {
+  static const auto system = reinterpret_cast<Resolver>(dlsym(RTLD_NEXT, "getaddrinfo"));
+  if (name == nullptr || std::string(name) != kManyAddresses) {
+    return system(name, service, hints, result);
+  }
+  addrinfo** end = result;
+  for (const char* address : {"::1", "127.0.0.2", "127.0.0.1"}) {
+    if (const int error = system(address, service, hints, end); error != 0) return error;
+    while (*end != nullptr) end = &(*end)->ai_next;
+  }
+  return 0;
+}
 
 namespace powderkeg {
 namespace {
@@ -52,6 +77,13 @@ TEST_F(ZmqTest, CarriesMessagesBothWays) {
   EXPECT_TRUE(server->Send(last_.peer, "answer"));
   EXPECT_EQ(client->Receive(milliseconds(5000), waker_), "answer");
   EXPECT_FALSE(server->Send("nobody", "lost"));
+}
+
+TEST_F(ZmqTest, TriesEveryAddressOfAName) {
+  const auto server = ListenZmq({.endpoint = "tcp://127.0.0.1:0"});
+  const std::string port = server->endpoint().substr(server->endpoint().rfind(':'));
+  const auto client = ConnectZmq(StrCat("tcp://", kManyAddresses, port), std::nullopt);
+  EXPECT_TRUE(Reaches(*client, *server, "hello", milliseconds(20'000)));
 }
 
 // Sends until nothing more is taken; how many were. Stops at `most`.

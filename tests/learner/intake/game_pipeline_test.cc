@@ -36,8 +36,9 @@ class GamePipelineTest : public testing::Test {
     for (const std::uint64_t ticket : stored) tickets.Insert(ticket);
     pipeline_ = std::make_unique<GamePipeline>(
         settings_,
-        [this](std::vector<GameRecord> games) {
-          for (GameRecord& game : games) games_.push_back(std::move(game));
+        [this](const auto& games, const auto& lessons) {
+          EXPECT_EQ(lessons.size(), games.size());
+          games_.insert(games_.end(), games.begin(), games.end());
         },
         tickets, waker_);
   }
@@ -69,7 +70,7 @@ TEST_F(GamePipelineTest, AGameBecomesDurable) {
   EXPECT_EQ(verdict.kind, Kind::kDurable);
   EXPECT_EQ(verdict.ticket, 3u);
   ASSERT_EQ(games_.size(), 1u);
-  EXPECT_EQ(verdict.decisions, games_[0].decisions.size());
+  EXPECT_EQ(verdict.decisions, DecisionCount(games_[0]));
   EXPECT_EQ(games_[0], PlayTicket(QuickConfig(), 3));
 }
 
@@ -130,8 +131,10 @@ TEST_F(GamePipelineTest, RefusesAResultThatDoesNotFollowFromTheMoves) {
 TEST_F(GamePipelineTest, RefusesAGameCutShort) {
   GameRecord record = PlayTicket(QuickConfig(), 0);
   record.actions.pop_back();
-  std::erase_if(record.decisions,
-                [&](const Decision& decision) { return decision.step >= record.actions.size(); });
+  for (Track& track : record.tracks) {
+    std::erase_if(track.decisions,
+                  [&](const Decision& decision) { return decision.step >= record.actions.size(); });
+  }
   EXPECT_THAT(ReasonAgainst(Seal(record, {})), HasSubstr("outcome"));
 }
 
@@ -146,15 +149,15 @@ TEST_F(GamePipelineTest, RefusesAMoveThatARuleBasedSeatWouldNotMake) {
 
 TEST_F(GamePipelineTest, RefusesAChosenBoard) {
   GameRecord record = PlayTicket(QuickConfig(), 0);
-  record.setup.seed += 1;
-  EXPECT_THAT(ReasonAgainst(Seal(record, {})), HasSubstr("setup is not that of the ticket"));
+  record.ticket = 1;
+  EXPECT_THAT(ReasonAgainst(Seal(record, {})), HasSubstr("step"));
 }
 
 // ---- Failure ------------------------------------------------------------------------------------
 
 TEST_F(GamePipelineTest, AStoreThatFailsEndsThePipelineWithoutAVerdict) {
   GamePipeline pipeline(
-      settings_, [](std::vector<GameRecord>) { throw Error("disk full"); }, TicketSet(), waker_);
+      settings_, [](const auto&, const auto&) { throw Error("disk full"); }, TicketSet(), waker_);
   ASSERT_TRUE(pipeline.Submit(1, SealedTicket(QuickConfig(), 0)));
   EXPECT_THROW(pipeline.Drain(), Error);
   EXPECT_TRUE(pipeline.TakeVerdicts().empty());

@@ -1,0 +1,107 @@
+#include "common/config/agent_spec.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "common/base/check.h"
+
+namespace powderkeg {
+namespace {
+
+// "a=1,b=2" as fields in order. Throws Error.
+std::vector<TextField> ParseOptions(std::string_view agent, std::string_view text) {
+  std::vector<TextField> options;
+  while (!text.empty()) {
+    const std::string_view option = text.substr(0, text.find(','));
+    text.remove_prefix(std::min(text.size(), option.size() + 1));
+    const std::size_t equals = option.find('=');
+    if (equals == std::string_view::npos || equals == 0) {
+      throw Error(StrCat("agent ", agent, ": option ", Quoted(option), ": expected OPTION=VALUE"));
+    }
+    TextField& field = options.emplace_back();
+    field.name = option.substr(0, equals);
+    field.value = option.substr(equals + 1);
+  }
+  return options;
+}
+
+// Takes the value of "model" out of the options; empty if there is none.
+std::string TakeModel(std::vector<TextField>& options) {
+  std::string file;
+  std::erase_if(options, [&file](const TextField& option) {
+    if (option.name != "model") return false;
+    file = option.value;
+    return true;
+  });
+  return file;
+}
+
+void ReadRawNetwork(std::vector<TextField> options, AgentSpec& agent) {
+  agent.kind = AgentSpec::Kind::kRawNetwork;
+  agent.model_file = TakeModel(options);
+  if (!options.empty()) {
+    throw Error(StrCat("agent raw: unknown option ", Quoted(options.front().name),
+                       ": expected raw:model=FILE"));
+  }
+}
+
+void ReadSearch(std::vector<TextField> options, const SearchSettings& base, AgentSpec& agent) {
+  agent.kind = AgentSpec::Kind::kSearch;
+  agent.model_file = TakeModel(options);
+  agent.search = base;
+  ReadOptions(options, "search:", SearchOptions(), agent.search);
+}
+
+AgentSpec Parse(std::string_view text, const SearchSettings& base) {
+  AgentSpec agent;
+  agent.text = text;
+  const std::string_view name = text.substr(0, text.find(':'));
+  const bool has_options = name.size() < text.size();
+  const std::string_view options = has_options ? text.substr(name.size() + 1) : std::string_view();
+  if (name == "raw") {
+    ReadRawNetwork(ParseOptions(name, options), agent);
+  } else if (name == "search") {
+    ReadSearch(ParseOptions(name, options), base, agent);
+  } else if (const std::optional<PolicyKind> policy = PolicyKindFor(name); policy && !has_options) {
+    agent.policy = *policy;
+  } else if (policy) {
+    throw Error(StrCat("agent ", name, ": options ", Quoted(options), ": it has none"));
+  } else {
+    throw Error(StrCat("unknown agent ", Quoted(name), ": known: ", KnownAgents()));
+  }
+  return agent;
+}
+
+}  // namespace
+
+AgentSpec ParseAgent(std::string_view text) {
+  AgentSpec agent = Parse(text, {});
+  if (agent.kind == AgentSpec::Kind::kRawNetwork && agent.model_file.empty()) {
+    throw Error("agent raw: no model: expected raw:model=FILE");
+  }
+  return agent;
+}
+
+AgentSpec ParsePlayersAgent(std::string_view text, const SearchSettings& base) {
+  AgentSpec agent = Parse(text, base);
+  if (!agent.model_file.empty()) {
+    throw Error(StrCat("agent ", Quoted(text),
+                       " of a player: expected no model in it, but weights: \"file:",
+                       agent.model_file, "\" beside it"));
+  }
+  return agent;
+}
+
+std::string KnownAgents() {
+  return "idle, random, harmless, simple_unbiased, official_simple, raw:model=FILE, "
+         "search[:OPTION=VALUE,...][,model=FILE]";
+}
+
+std::string AgentOptionsHelp() {
+  return StrCat("Options of a search, as in search:simulations=64,root=gumbel\n\n",
+                DescribeOptions(SearchOptions(), ""));
+}
+
+}  // namespace powderkeg

@@ -1,0 +1,73 @@
+#pragma once
+
+// How players and versions fare against each other, and which past self to meet next.
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <span>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "common/base/rating.h"
+#include "common/base/rng.h"
+#include "learner/replay/lessons.h"
+
+namespace powderkeg {
+
+// A player, with the weights it had; versions of one network are one contestant each, whatever
+// player used them.
+struct Contestant {
+  std::string player;         // empty where there are weights
+  std::uint32_t version = 0;  // of the weights
+
+  [[nodiscard]] std::string name() const;
+  friend auto operator<=>(const Contestant&, const Contestant&) = default;
+};
+
+struct RatedContestant {
+  Contestant contestant;
+  std::uint64_t games = 0;  // pairs it was in
+  Rating rating;
+};
+
+// Whoever outlives another has beaten it; who died in the same step, or lived to a tie, tied. In
+// team modes the team's result counts for both. Pairs of mates, of equal contestants and of those
+// that outlived a game that was not played to its end do not count. Thread-safe.
+class League {
+ public:
+  // Reads league.csv of a run, if it is there; rows of iterations later than `iterations_done` are
+  // of iterations that are now repeated, and dropped. Throws Error with the line.
+  League(std::filesystem::path file, std::vector<std::string> players, int iterations_done);
+
+  // The results of an iteration, durable when it returns. Throws Error.
+  void Add(int iteration, std::span<const GameResult> results);
+
+  // The version to meet of those before `newest` (at least 2): from newest - 1, - 2, - 4, ... and 1,
+  // the more likely the less the newest versions win against it, as (1 - p)^2 (prioritised
+  // fictitious self-play, Vinyals et al. 2019).
+  [[nodiscard]] std::uint32_t DrawPast(std::uint32_t newest, Rng& rng) const;
+
+  // Everybody that has met somebody, the strongest first.
+  [[nodiscard]] std::vector<RatedContestant> Ratings() const;
+
+ private:
+  using Pair = std::pair<Contestant, Contestant>;  // ascending
+  using Table = std::map<std::tuple<int, Contestant, Contestant>, MatchScore>;  // by iteration
+
+  [[nodiscard]] Contestant ContestantOf(const Finish& standing) const;
+  void AddPair(int iteration, const GameResult& result, AgentId first, AgentId second);
+  void AddScore(int iteration, const Pair& pair, const MatchScore& score);
+  void Read(int iterations_done);
+  void Write() const;
+
+  const std::filesystem::path file_;
+  const std::vector<std::string> players_;
+  mutable std::mutex mutex_;           // guards the rest
+  Table by_iteration_;                 // of the first contestant
+  std::map<Pair, MatchScore> totals_;  // likewise
+};
+
+}  // namespace powderkeg

@@ -1,0 +1,148 @@
+#include "learner/replay/lessons.h"
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+#include "common/pommerman/belief.h"
+#include "common/pommerman/observation.h"
+
+namespace powderkeg {
+namespace {
+
+// Looks on while a game is played again.
+class Teacher {
+ public:
+  explicit Teacher(const GameRecord& game) : game_(game) {
+    for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+      if (seat(agent).teaches != Teaches::kNothing) beliefs_[agent].emplace(settings());
+    }
+  }
+
+  void Observe(const State& state, const JointAction& actions) {
+    for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+      if (!state.agents[agent].alive) continue;
+      ++lived_[agent];
+      if (!beliefs_[agent]) continue;
+      beliefs_[agent]->Observe(powderkeg::Observe(settings(), state, agent));
+      if (seat(agent).teaches == Teaches::kMoves) {
+        AddDemonstration(agent, actions);
+      } else {
+        AddDecision(agent, actions);
+      }
+    }
+  }
+
+  // Once the whole game was observed.
+  [[nodiscard]] Lessons TakeLessons() {
+    const auto teaches = [](const Seat& s) { return s.teaches != Teaches::kNothing; };
+    const bool taught = std::ranges::any_of(game_.setup.seats, teaches);
+    PlaySummary& summary = taught ? lessons_.play : lessons_.exam;
+    Summarize(summary);
+    for (Sample& sample : lessons_.samples) sample.outcome = OutcomeOf(sample.viewer);
+    for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+      lessons_.result.finishes[agent] = FinishOf(agent);
+    }
+    lessons_.result.outcome = game_.outcome;
+    lessons_.ticket = game_.ticket;
+    return std::move(lessons_);
+  }
+
+ private:
+  [[nodiscard]] const GameSettings& settings() const { return game_.setup.settings; }
+  [[nodiscard]] const Seat& seat(AgentId agent) const { return game_.setup.seats[agent]; }
+
+  void AddDecision(AgentId agent, const JointAction& actions) {
+    const std::vector<Decision>& decisions = game_.tracks[agent].decisions;
+    std::size_t& next = next_decision_[agent];
+    const State& state = beliefs_[agent]->state();
+    if (next == decisions.size() || decisions[next].step != state.step) return;
+    Sample& sample = AddSample(agent, actions);
+    sample.visits = decisions[next].visits;
+    sample.searched = true;
+    sample.search_value = decisions[next].value;
+    ++next;
+  }
+
+  void AddDemonstration(AgentId agent, const JointAction& actions) {
+    AddSample(agent, actions).visits[static_cast<std::size_t>(actions[agent])] = 1;
+  }
+
+  Sample& AddSample(AgentId agent, const JointAction& actions) {
+    Sample& sample = lessons_.samples.emplace_back();
+    sample.state = beliefs_[agent]->state();
+    sample.viewer = static_cast<std::uint8_t>(agent);
+    sample.end_step = static_cast<std::uint16_t>(game_.actions.size());
+    for (AgentId i = 0; i < kAgentCount - 1; ++i) {
+      sample.others[i] = actions[(agent + 1 + i) % kAgentCount];
+    }
+    ++lessons_.play.actions[static_cast<std::size_t>(actions[agent])];
+    return sample;
+  }
+
+  [[nodiscard]] std::int8_t OutcomeOf(AgentId agent) const {
+    const bool alone = !IsTeamMode(settings().mode);
+    const bool outlived = lived_[agent] < game_.actions.size();
+    if (game_.outcome.result == Result::kTie && alone && outlived) return -1;
+    return static_cast<std::int8_t>(OutcomeFor(game_, agent));
+  }
+
+  [[nodiscard]] Finish FinishOf(AgentId agent) const {
+    return {.player = seat(agent).player,
+            .weights_version = game_.tracks[agent].weights_version,
+            .mate = TeamMateOf(settings().mode, agent),
+            .lasted = lived_[agent]};
+  }
+
+  void Summarize(PlaySummary& summary) const {
+    std::uint32_t newest = 1;
+    for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+      newest = std::max(newest, game_.tracks[agent].weights_version);
+      if (!seat(agent).measured) continue;
+      const int outcome = OutcomeFor(game_, agent);
+      ++(outcome > 0 ? summary.score.wins
+                     : outcome < 0 ? summary.score.losses : summary.score.ties);
+    }
+    summary.games = 1;
+    summary.decisions = lessons_.samples.size();
+    summary.steps = game_.actions.size();
+    summary.weights_versions = newest;
+  }
+
+  const GameRecord& game_;
+  std::array<std::optional<Belief>, kAgentCount> beliefs_;  // of teaching seats
+  std::array<std::size_t, kAgentCount> next_decision_{};
+  std::array<std::uint16_t, kAgentCount> lived_{};  // steps that it was alive to play
+  Lessons lessons_;
+};
+
+}  // namespace
+
+PlaySummary& PlaySummary::operator+=(const PlaySummary& other) {
+  games += other.games;
+  decisions += other.decisions;
+  score += other.score;
+  steps += other.steps;
+  for (std::size_t i = 0; i < actions.size(); ++i) actions[i] += other.actions[i];
+  weights_versions += other.weights_versions;
+  return *this;
+}
+
+void DataSet::Add(Lessons&& lessons, Part part) {
+  std::ranges::move(lessons.samples, std::back_inserter(part == Part::kTraining ? samples : held_out));
+  play += lessons.play;
+  exam += lessons.exam;
+  results.push_back(lessons.result);
+}
+
+std::variant<Lessons, std::string> MakeLessons(const GameRecord& game) {
+  Teacher teacher(game);
+  const auto reason = Verify(game, [&](const State& state, const JointAction& actions) {
+    teacher.Observe(state, actions);
+  });
+  if (reason) return *reason;
+  return teacher.TakeLessons();
+}
+
+}  // namespace powderkeg

@@ -1,0 +1,178 @@
+#include "learner/run/learner.h"
+
+#include <chrono>
+#include <thread>
+#include <utility>
+#include <variant>
+
+#include "common/base/check.h"
+#include "common/base/digest.h"
+#include "common/base/durable_file.h"
+#include "common/base/log.h"
+#include "common/base/worker.h"
+#include "common/config/config.h"
+#include "common/wire/zmq_transport.h"
+#include "learner/report/dashboard.h"
+#include "learner/report/figures.h"
+#include "learner/report/iteration_table.h"
+
+namespace powderkeg {
+namespace {
+
+// Small segments that are merged within an iteration too, that long ones do not fill the folder.
+constexpr std::size_t kManySegments = 1000;
+
+LiveStatus StatusOf(const LearnerLoop::Progress& progress, const IntakeStatistics& intake,
+                    int iterations) {
+  LiveStatus status;
+  status.iterations_done = progress.iteration;
+  status.iterations = iterations;
+  status.decisions = progress.games.decisions_in_prefix;
+  status.decisions_wanted = progress.decisions_wanted;
+  status.decisions_beyond = progress.games.decisions - progress.games.decisions_in_prefix;
+  status.straggler = progress.games.straggler;
+  status.samples = progress.training.samples_done;
+  status.samples_wanted = progress.training.samples;
+  status.actors = intake.actors.size();
+  status.totals.games = intake.games;
+  status.totals.decisions = intake.decisions;
+  for (const ActorStatistics& actor : intake.actors) {
+    status.totals.evaluations += actor.heartbeat.evaluations;
+    status.totals.batches += actor.heartbeat.batches;
+  }
+  return status;
+}
+
+// Of a game that was verified before it was stored.
+Lessons LessonsOf(const GameRecord& game) {
+  auto made = MakeLessons(game);
+  if (const auto* reason = std::get_if<std::string>(&made)) {
+    throw Error(StrCat("the stored game of ticket ", game.ticket, " is refused: ", *reason));
+  }
+  return std::get<Lessons>(std::move(made));
+}
+
+}  // namespace
+
+Learner::Learner(const LearnerSettings& settings)
+    : name_(RunNameOf(settings.folder)),
+      lock_(settings.folder),
+      config_(ConfigOfRun(settings.folder, settings.config, settings.changes)),
+      store_(settings.folder / "replay"),
+      loop_(LoopSettings(settings), LoopHooks()),
+      history_(settings.folder / "iterations.csv", loop_.progress().iteration) {
+  const std::vector<std::uint64_t> known = LoadGames();
+  log::Info("run opened", "folder", settings.folder.string(), "games", known.size(),
+            "iterations_done", loop_.progress().iteration);
+  ServeActors(settings, known);
+  if (settings.http) ServeHttp(*settings.http);
+  StoreConfig(settings.folder, config_);  // nothing has turned out wrong
+  WriteFileDurably(settings.folder / "figures.tsv", BytesOf(FiguresText()));
+  display_.ShowLine(StrCat(settings.folder.string(), ": ", IterationsDone(), ", ", known.size(),
+                           " games stored"));
+  display_.ShowLine(StrCat("actors connect to ", server_->endpoint()));
+}
+
+void Learner::Run(const std::function<bool()>& stop_wanted) {
+  Worker trainer("trainer", [this](const std::stop_token& stop) { loop_.Run(stop); });
+  while (!stop_wanted() && !trainer.finished() && !server_->failed()) {
+    display_.ShowStatus(View().status);
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  }
+  display_.Clear();
+  // A trainer that failed has finished too: actors that then left would not come back.
+  const bool complete = loop_.progress().iteration >= config_.training.iterations;
+  trainer.RequestStop();
+  server_->Stop({complete ? "the run is complete" : "the learner stops", complete});
+  trainer.Join();
+  log::Info(complete ? "run complete" : "stopped", "iterations_done", loop_.progress().iteration);
+  display_.ShowLine(StrCat(complete ? "run complete" : "stopped", ": ", IterationsDone()));
+}
+
+// Fewer may be wanted than are done: settings can change.
+std::string Learner::IterationsDone() const {
+  const int done = loop_.progress().iteration;
+  const int wanted = config_.training.iterations;
+  if (done <= wanted) return StrCat(done, " of ", wanted, " iterations done");
+  return StrCat(done, " iterations done, ", wanted, " are wanted");
+}
+
+LearnerLoopSettings Learner::LoopSettings(const LearnerSettings& settings) const {
+  RunConfig tied = config_;
+  TieOutcomesToSearch(tied);
+  LearnerLoopSettings loop;
+  loop.training = tied.training;
+  loop.game = GameOf(config_.self_play);
+  loop.folder = settings.folder;
+  loop.seed = config_.self_play.seed;
+  return loop;
+}
+
+LearnerLoopHooks Learner::LoopHooks() {
+  return {.publish = [this](const Snapshot& snapshot) { server_->Publish(snapshot); },
+          .iteration_trained = [this](const IterationReport& report) { history_.Append(report); },
+          .iteration_done =
+              [this](const IterationReport& report) {
+                log::Write(log::Level::kInfo, LogLine(report));
+                display_.ShowIteration(report);
+                merge_wanted_ = true;
+              }};
+}
+
+// The tickets of the games stored so far; those that are still needed go to the loop.
+std::vector<std::uint64_t> Learner::LoadGames() {
+  std::vector<std::uint64_t> known;
+  store_.Load(
+      [&](std::uint64_t ticket) {
+        known.push_back(ticket);
+        return loop_.Wants(ticket);
+      },
+      [&](GameRecord&& game) { loop_.Add(LessonsOf(game)); });
+  return known;
+}
+
+void Learner::ServeActors(const LearnerSettings& settings, std::span<const std::uint64_t> known) {
+  std::optional<std::filesystem::path> keys;
+  if (!settings.keys.empty()) keys = settings.keys;
+  SessionServerSettings server;
+  server.run_id = RunIdOf(settings.folder);
+  server.self_play = config_.self_play;
+  server.games_wanted = [this] { return loop_.GamesWanted(); };
+  server_ = std::make_unique<SessionServer>(
+      server, ListenZmq({settings.listen, keys, settings.insecure}),
+      [this](const std::vector<GameRecord>& games, std::vector<Lessons> lessons) {
+        Append(games, std::move(lessons));
+      },
+      known);
+  log::Info("listening", "endpoint", server_->endpoint(), "keys", keys ? "yes" : "no");
+}
+
+// On the store thread, which makes all HDF5 calls.
+void Learner::Append(const std::vector<GameRecord>& games, std::vector<Lessons> lessons) {
+  store_.Append(games);
+  if (merge_wanted_.exchange(false) || store_.small_segment_count() >= kManySegments) {
+    store_.Merge();
+  }
+  for (Lessons& game : lessons) loop_.Add(std::move(game));
+}
+
+// By any thread.
+RunView Learner::View() const {
+  RunView view{.run = name_, .started_unix_s = started_};
+  view.intake = server_->statistics();
+  view.status = StatusOf(loop_.progress(), view.intake, config_.training.iterations);
+  view.last_iteration = history_.last();
+  return view;
+}
+
+void Learner::ServeHttp(const HttpServerSettings& settings) {
+  http_.emplace(DashboardRoutes([this] { return View(); }, history_), settings);
+  const HttpAddress& address = http_->address();
+  const int asked = settings.address.port;
+  const bool taken = asked != 0 && address.port != asked;
+  log::Info("serving the dashboard", "url", address.url());
+  display_.ShowLine(
+      StrCat("dashboard: ", address.url(), taken ? StrCat(" (port ", asked, " is taken)") : ""));
+}
+
+}  // namespace powderkeg

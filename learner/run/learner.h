@@ -1,0 +1,69 @@
+#pragma once
+
+// A learner: everything between a run's folder and the end of the process.
+
+#include <atomic>
+#include <cstdint>
+#include <ctime>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/http/http_server.h"
+#include "learner/intake/session_server.h"
+#include "learner/replay/store.h"
+#include "learner/report/display.h"
+#include "learner/report/iteration_history.h"
+#include "learner/report/run_view.h"
+#include "learner/run/run_folder.h"
+#include "learner/train/learner_loop.h"
+
+namespace powderkeg {
+
+struct LearnerSettings {
+  std::filesystem::path folder;            // of the run; must exist
+  std::string config;                      // a file of settings; empty: those stored in the folder
+  std::vector<std::string> changes;        // PATH=VALUE
+  std::string listen;                      // tcp://... or ipc://...
+  std::string keys;                        // folder of CURVE keys; empty: none
+  bool insecure = false;                   // other machines may come without keys
+  std::optional<HttpServerSettings> http;  // of the dashboard
+};
+
+class Learner {
+ public:
+  // Takes the run, loads its games and opens its doors. Throws Error.
+  explicit Learner(const LearnerSettings& settings);
+
+  // Returns when every iteration is done or `stop_wanted`, asked twice a second, says so. Throws
+  // Error.
+  void Run(const std::function<bool()>& stop_wanted);
+
+ private:
+  [[nodiscard]] LearnerLoopSettings LoopSettings(const LearnerSettings& settings) const;
+  [[nodiscard]] LearnerLoopHooks LoopHooks();
+  [[nodiscard]] std::vector<std::uint64_t> LoadGames();
+  void ServeActors(const LearnerSettings& settings, std::span<const std::uint64_t> known);
+  void ServeHttp(const HttpServerSettings& settings);
+  void Append(const std::vector<GameRecord>& games, std::vector<Lessons> lessons);
+  [[nodiscard]] RunView View() const;
+  [[nodiscard]] std::string IterationsDone() const;
+
+  const std::string name_;
+  const std::time_t started_ = std::time(nullptr);
+  RunLock lock_;
+  RunConfig config_;
+  Display display_;
+  std::atomic<bool> merge_wanted_ = false;
+  ReplayStore store_;
+  LearnerLoop loop_;
+  IterationHistory history_;
+  std::unique_ptr<SessionServer> server_;  // its threads use what stands above
+  std::optional<HttpServer> http_;         // and so do its
+};
+
+}  // namespace powderkeg

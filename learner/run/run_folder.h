@@ -1,0 +1,41 @@
+#pragma once
+
+// The folder of a run, runs/NAME: whose it is, what it is called and with which settings it goes
+// on.
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "common/config/run_config.h"
+
+namespace powderkeg {
+
+// Only one learner at a time may own a run. Held until the lock is destroyed or the process ends.
+class RunLock {
+ public:
+  // Throws Error if the folder is in use or cannot be written.
+  explicit RunLock(const std::filesystem::path& folder);
+  ~RunLock();
+  RunLock(const RunLock&) = delete;
+  RunLock& operator=(const RunLock&) = delete;
+
+ private:
+  int file_;
+};
+
+// The folder's name as far as it can be part of a name on the wire: at most 40 characters, '_' for
+// those that are no visible ASCII.
+[[nodiscard]] std::string RunNameOf(const std::filesystem::path& folder);
+
+// The name and random digits, made at the run's first start and kept in run_id: actors must not mix
+// runs up. Throws Error.
+[[nodiscard]] std::string RunIdOf(const std::filesystem::path& folder);
+
+// Settings are kept with the run (config.textproto): those of `file`, or of the run where `file` is
+// empty, changed by `changes`. Throws Error as LoadConfig does.
+[[nodiscard]] RunConfig ConfigOfRun(const std::filesystem::path& folder, const std::string& file,
+                                    std::span<const std::string> changes);
+void StoreConfig(const std::filesystem::path& folder, const RunConfig& config);
+
+}  // namespace powderkeg

@@ -1,0 +1,83 @@
+#include "learner/run/run_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "common/base/check.h"
+#include "tests/learner/record_support.h"
+
+namespace powderkeg {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::MatchesRegex;
+
+template <typename Action>
+std::string MessageOf(const Action& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(RunLock, AFolderHasOneOwnerAtATime) {
+  const TemporaryFolder folder;
+  {
+    const RunLock lock(folder.path());
+    EXPECT_EQ(MessageOf([&] { RunLock{folder.path()}; }),
+              folder.path().string() + " is in use by another learner");
+  }
+  EXPECT_EQ(MessageOf([&] { RunLock{folder.path()}; }), "no error");
+}
+
+TEST(RunLock, SaysWhichFileItCannotMake) {
+  EXPECT_THAT(MessageOf([] { RunLock{"/absent/run"}; }),
+              HasSubstr("cannot create /absent/run/learner.lock: "));
+}
+
+TEST(RunName, IsTheFoldersAsFarAsTheWireCanSayIt) {
+  EXPECT_EQ(RunNameOf("runs/first-run"), "first-run");
+  EXPECT_EQ(RunNameOf("runs/first-run/"), "first-run");
+  EXPECT_EQ(RunNameOf("runs/my run\xC3\xA9"), "my_run__");
+  EXPECT_EQ(RunNameOf("runs/" + std::string(50, 'a')), std::string(40, 'a'));
+  EXPECT_EQ(RunNameOf("."), fs::current_path().filename().string().substr(0, 40));
+}
+
+TEST(RunId, IsMadeOnceAndOtherwiseInAnotherFolder) {
+  const TemporaryFolder parent;
+  fs::create_directories(parent.path() / "a/run");
+  fs::create_directories(parent.path() / "b/run");
+  const std::string id = RunIdOf(parent.path() / "a/run");
+  EXPECT_THAT(id, MatchesRegex("run-[0-9a-f]+"));
+  EXPECT_EQ(RunIdOf(parent.path() / "a/run"), id);
+  EXPECT_NE(RunIdOf(parent.path() / "b/run"), id);
+}
+
+TEST(ConfigOfRun, IsTheStoredOneUnlessAFileIsGiven) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> none;
+  EXPECT_EQ(ConfigOfRun(folder.path(), "", none).training.batch_size,
+            RunConfig().training.batch_size);
+
+  const std::vector<std::string> changes = {"training.batch_size=77", "training.iterations=3"};
+  StoreConfig(folder.path(), ConfigOfRun(folder.path(), "", changes));
+  const RunConfig stored = ConfigOfRun(folder.path(), "", none);
+  EXPECT_EQ(stored.training.batch_size, 77);
+  EXPECT_EQ(stored.training.iterations, 3);
+
+  const std::string file = (folder.path() / "other.textproto").string();
+  std::ofstream(file) << "training { batch_size: 5 }\n";
+  EXPECT_EQ(ConfigOfRun(folder.path(), file, none).training.batch_size, 5);
+  EXPECT_EQ(ConfigOfRun(folder.path(), file, none).training.iterations,
+            RunConfig().training.iterations);
+}
+
+}  // namespace
+}  // namespace powderkeg
