@@ -1,12 +1,12 @@
 #include "learner/intake/session_server.h"
 
 #include <algorithm>
-#include <random>
 #include <utility>
 #include <variant>
 
 #include "common/base/check.h"
 #include "common/base/log.h"
+#include "common/base/unique.h"
 #include "common/config/config.h"
 #include "common/wire/codec.h"
 
@@ -263,8 +263,7 @@ void SessionServer::AnswerRequest(Session& session, const WeightsRequest& reques
     return;
   }
   WeightsChunk chunk = weights_.Answer(request);
-  std::random_device random;
-  chunk.receipt = session.receipt = std::uint64_t{random()} << 32 | random();
+  chunk.receipt = session.receipt = UniqueNumber();
   Send(session.id, chunk);
 }
 

@@ -8,8 +8,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <filesystem>
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <numeric>
 #include <string>
@@ -17,6 +19,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/log.h"
 #include "common/wire/codec.h"
 #include "common/wire/keys.h"
 #include "common/wire/zmq_transport.h"
@@ -187,6 +190,24 @@ TEST_F(HostilePeerTest, LoopsThatPlayNothingStarveNobody) {
             TicketTarget(1, QuickConfig().games_in_flight));
   TestActor actor([&] { return ConnectZmq(endpoint, std::nullopt); });
   EXPECT_TRUE(Eventually([&] { return actor.tickets.waiting() == 6; }));
+}
+
+TEST_F(HostilePeerTest, NobodyFillsTheLog) {
+  const TemporarySpool folder;
+  const std::string file = folder.path() / "log";
+  log::Init(file, log::Level::kInfo, log::Level::kError);
+  const auto start = std::chrono::steady_clock::now();
+  DeafPeer peer(endpoint_);
+  for (int i = 0; i < 300; ++i) {
+    ASSERT_TRUE(peer.Say(Encode(Hello{.name = "chatty"})));
+    ASSERT_TRUE(peer.Say(i % 2 == 0 ? Encode(Goodbye{.reason = "again"}) : "no message"));
+  }
+  ASSERT_TRUE(Eventually([&] { return learner_.server->statistics().malformed == 150; }));
+  const auto elapsed = std::chrono::steady_clock::now() - start;
+  log::Init("", log::Level::kInfo);
+  std::ifstream lines(file);
+  const auto count = std::count(std::istreambuf_iterator<char>(lines), {}, '\n');
+  EXPECT_LE(count, 12 * (2 + std::chrono::duration_cast<std::chrono::seconds>(elapsed).count()));
 }
 
 TEST_F(HostilePeerTest, AKeyIsGoodForItsOwnNameAlone) {
