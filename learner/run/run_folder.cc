@@ -6,14 +6,17 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cinttypes>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <random>
+#include <utility>
 
 #include "common/base/check.h"
 #include "common/base/digest.h"
 #include "common/base/durable_file.h"
+#include "common/base/log.h"
+#include "common/base/unique.h"
 #include "common/config/config.h"
 
 namespace powderkeg {
@@ -31,12 +34,19 @@ RunLock::RunLock(const std::filesystem::path& folder) {
   if (file_ < 0) throw Error(StrCat("cannot create ", path, ": ", std::strerror(errno)));
   if (flock(file_, LOCK_EX | LOCK_NB) == 0) return;
   const int reason = errno;
-  close(file_);
+  close(std::exchange(file_, -1));
   if (reason == EWOULDBLOCK) throw Error(StrCat(folder.string(), " is in use by another learner"));
-  throw Error(StrCat("cannot lock ", path, ": ", std::strerror(reason)));
+  if (reason != ENOLCK && reason != ENOTSUP && reason != ENOSYS && reason != EINVAL) {
+    throw Error(StrCat("cannot lock ", path, ": ", std::strerror(reason)));
+  }
+  log::Warn("this file system has no locks: a second learner is noticed by learner.claim", "reason",
+            std::strerror(reason));
+  claim_.emplace(folder / "learner.claim");
 }
 
-RunLock::~RunLock() { close(file_); }
+RunLock::~RunLock() {
+  if (file_ >= 0) close(file_);
+}
 
 std::string RunNameOf(const std::filesystem::path& folder) {
   constexpr std::size_t kLongest = 40;
@@ -50,9 +60,8 @@ std::string RunIdOf(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "run_id";
   std::string id;
   if (std::ifstream(path) >> id) return id;
-  std::random_device device;
-  char text[33];
-  std::snprintf(text, sizeof text, "%08x%08x", device(), device());
+  char text[17];
+  std::snprintf(text, sizeof text, "%016" PRIx64, UniqueNumber());
   id = RunNameOf(folder) + "-" + text;
   WriteFileDurably(path, BytesOf(id + '\n'));
   return id;
