@@ -115,6 +115,7 @@ LearnerLoopHooks Learner::LoopHooks() {
               [this](const IterationReport& report) {
                 log::Write(log::Level::kInfo, LogLine(report));
                 display_.ShowIteration(report);
+                oldest_ticket_needed_ = loop_.OldestTicketNeeded();
                 merge_wanted_ = true;
               }};
 }
@@ -143,7 +144,7 @@ void Learner::ServeActors(const LearnerSettings& settings, std::span<const std::
       [this](const std::vector<GameRecord>& games, std::vector<Lessons> lessons) {
         Append(games, std::move(lessons));
       },
-      known);
+      known, loop_.next_ticket());
   log::Info("listening", "endpoint", server_->endpoint(), "keys", keys ? "yes" : "no");
 }
 
@@ -152,8 +153,18 @@ void Learner::Append(const std::vector<GameRecord>& games, std::vector<Lessons> 
   store_.Append(games);
   if (merge_wanted_.exchange(false) || store_.small_segment_count() >= kManySegments) {
     store_.Merge();
+    TrimStore();
   }
   for (Lessons& game : lessons) loop_.Add(std::move(game));
+}
+
+void Learner::TrimStore() {
+  const auto bytes = static_cast<std::uint64_t>(config_.training.replay_mb) << 20;
+  if (bytes == 0) return;
+  const std::uint64_t oldest = oldest_ticket_needed_;
+  const std::size_t segments =
+      store_.Trim(bytes, [oldest](std::uint64_t ticket) { return ticket >= oldest; });
+  if (segments > 0) log::Info("removed games of long ago", "segments", segments);
 }
 
 // By any thread.

@@ -50,6 +50,8 @@ class Learner {
   void ServeActors(const LearnerSettings& settings, std::span<const std::uint64_t> known);
   void ServeHttp(const HttpServerSettings& settings);
   void Append(const std::vector<GameRecord>& games, std::vector<Lessons> lessons);
+  // Keeps the store within training.replay_mb.
+  void TrimStore();
   [[nodiscard]] RunView View() const;
   [[nodiscard]] std::string IterationsDone() const;
 
@@ -59,6 +61,7 @@ class Learner {
   RunConfig config_;
   Display display_;
   std::atomic<bool> merge_wanted_ = false;
+  std::atomic<std::uint64_t> oldest_ticket_needed_ = 0;  // of those stored
   ReplayStore store_;
   LearnerLoop loop_;
   IterationHistory history_;

@@ -146,6 +146,16 @@ void LearnerLoop::Add(Lessons&& game) {
   games_added_.notify_all();
 }
 
+std::uint64_t LearnerLoop::next_ticket() const {
+  const std::lock_guard lock(mutex_);
+  return schedule_.next_ticket();
+}
+
+std::uint64_t LearnerLoop::OldestTicketNeeded() const {
+  const std::lock_guard lock(mutex_);
+  return schedule_.OldestTicketNeeded(settings_.training.checkpoints_kept);
+}
+
 std::uint64_t LearnerLoop::GamesWanted() const {
   const std::lock_guard lock(mutex_);
   return schedule_.GamesWanted();

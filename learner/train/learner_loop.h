@@ -81,6 +81,13 @@ class LearnerLoop {
   // Does not wait, not even while training.
   void Add(Lessons&& game);
 
+  // Every ticket below it belongs to an iteration that was started: it is done, even if its game is
+  // stored no more.
+  [[nodiscard]] std::uint64_t next_ticket() const;
+  // Games below it are not needed after a restart, whichever of the kept checkpoints it goes on
+  // from. To be asked in iteration_done: an iteration in progress counts as complete.
+  [[nodiscard]] std::uint64_t OldestTicketNeeded() const;
+
   // How many games, besides those added, are worth playing now (Schedule::GamesWanted): more would
   // be of old weights when their turn comes. Tickets of games that were lost must be handed out
   // again even if it is 0.
