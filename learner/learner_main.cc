@@ -49,6 +49,9 @@ void AddOptions(CLI::App& app, Options& options) {
         throw CLI::Success();
       },
       "every setting with its default, meaning and range");
+  app.add_option("--initial-weights", options.learner.first_weights,
+                 "what a new run starts from: a .weights file, or a .checkpoint file with its\n"
+                 "optimizer; a run that has begun keeps its own");
   app.add_option("--listen", options.learner.listen,
                  "tcp://*:PORT, tcp://127.0.0.1:PORT or ipc://PATH")
       ->capture_default_str();

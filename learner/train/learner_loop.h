@@ -11,6 +11,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -25,6 +26,10 @@
 #include "learner/train/trainer.h"
 
 namespace powderkeg {
+
+// Where a run keeps a version of its weights.
+[[nodiscard]] std::filesystem::path WeightsPath(const std::filesystem::path& run_folder,
+                                                std::uint32_t version);
 
 struct LearnerLoopSettings {
   TrainingConfig training;
@@ -43,7 +48,8 @@ struct LearnerLoopHooks {
   std::function<void(const Snapshot&)> publish = [](const Snapshot&) {};
   // Before the checkpoint of an iteration, without which it is repeated, and reported again: what
   // is written of it here is there once it counts as complete.
-  std::function<void(const IterationReport&)> iteration_trained = [](const IterationReport&) {};
+  std::function<void(const IterationReport&, std::span<const GameResult>)> iteration_trained =
+      [](const IterationReport&, std::span<const GameResult>) {};
   // After an iteration is complete and durable: a good moment to have the store merged (by the
   // store's own thread).
   std::function<void(const IterationReport&)> iteration_done = [](const IterationReport&) {};
