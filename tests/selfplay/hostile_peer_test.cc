@@ -111,6 +111,15 @@ class HostilePeerTest : public testing::Test {
     EXPECT_FALSE(actor.client->ended());
   }
 
+  // That the learner has counted in the actor's session so far.
+  [[nodiscard]] std::uint64_t GamesInSession(const std::string& name) const {
+    for (const ActorStatistics& actor : learner_.server->statistics().actors) {
+      if (actor.name == name) return actor.games;
+    }
+    return 0;
+  }
+
+  std::uint64_t played_ = 0;
   TestLearner learner_{ListenZmq({.endpoint = "tcp://127.0.0.1:0"})};
   const std::string endpoint_ = learner_.server->endpoint();
 };
@@ -145,9 +154,9 @@ TEST_F(HostilePeerTest, AFloodOfHellosCostsNobodyElseTheSession) {
       }
     });
   }
-  const auto welcome = actor.client->welcome();
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
-  while (std::chrono::steady_clock::now() < end) ExpectServed(actor);
+  for (; std::chrono::steady_clock::now() < end; ++played_) ExpectServed(actor);
+  EXPECT_TRUE(Eventually([&] { return GamesInSession("actor") == played_; })) << "not one session";
 }
 
 // Open tickets are granted whatever is wanted: a claim used to open all below it.
