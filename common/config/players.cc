@@ -34,10 +34,6 @@ std::string WriteWeights(const PlayerSpec& player, const Allowed& /*allowed*/) {
   return std::string(kWeightsNames[static_cast<std::size_t>(*player.weights)]);
 }
 
-std::size_t SeatCount(const GameSettings& game) {
-  return game.mode == Mode::kOneVsOne ? 2 : std::size_t{kAgentCount};
-}
-
 // "me, past and the policies idle, ...".
 std::string KnownNames(const std::vector<PlayerSpec>& players) {
   std::string names;
@@ -170,10 +166,9 @@ GameSettings GameOf(const SelfPlayConfig& config) {
 }
 
 void FillPlayers(SelfPlayConfig& config) {
-  if (config.players.empty())
-    config.players.push_back({.name = "me", .teaches = Teaches::kSearch});
+  if (config.players.empty()) config.players.push_back({.name = "me", .teaches = Teaches::kSearch});
   if (config.lineups.empty()) {
-    const std::size_t others = SeatCount(GameOf(config)) - 1;
+    const auto others = static_cast<std::size_t>(SeatCount(GameOf(config).mode) - 1);
     std::vector<std::string> names = std::move(config.opponents);
     if (names.empty()) names = {"simple_unbiased"};
     if (names.size() == 1) names.resize(others, names.front());
@@ -201,7 +196,7 @@ Players ResolvePlayers(const SelfPlayConfig& config) {
     CheckName(filled.players, player);
     who.players.push_back(Resolved(player, filled.search));
   }
-  const std::size_t seats = SeatCount(GameOf(config));
+  const auto seats = static_cast<std::size_t>(SeatCount(GameOf(config).mode));
   for (const LineupSpec& lineup : filled.lineups) {
     who.lineups.push_back(Resolved(lineup, seats, filled, who.players));
   }

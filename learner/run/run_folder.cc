@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cinttypes>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <utility>
@@ -15,6 +14,7 @@
 #include "common/base/check.h"
 #include "common/base/digest.h"
 #include "common/base/durable_file.h"
+#include "common/base/format.h"
 #include "common/base/log.h"
 #include "common/base/unique.h"
 #include "common/config/config.h"
@@ -50,7 +50,8 @@ RunLock::~RunLock() {
 
 std::string RunNameOf(const std::filesystem::path& folder) {
   constexpr std::size_t kLongest = 40;
-  std::string name = std::filesystem::absolute(folder / ".").parent_path().filename().string();
+  std::string name =
+      (std::filesystem::absolute(folder) / "").lexically_normal().parent_path().filename().string();
   std::ranges::replace_if(
       name, [](unsigned char c) { return c <= ' ' || c > '~'; }, '_');
   return name.substr(0, kLongest);
@@ -60,9 +61,7 @@ std::string RunIdOf(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "run_id";
   std::string id;
   if (std::ifstream(path) >> id) return id;
-  char text[17];
-  std::snprintf(text, sizeof text, "%016" PRIx64, UniqueNumber());
-  id = RunNameOf(folder) + "-" + text;
+  id = RunNameOf(folder) + "-" + Format("%016" PRIx64, UniqueNumber());
   WriteFileDurably(path, BytesOf(id + '\n'));
   return id;
 }

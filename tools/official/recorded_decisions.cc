@@ -31,7 +31,9 @@ constexpr int kChanceRecordOfSimpleUnbiased = 3030;
 
 Mode ModeNamed(const std::string& name) {
   const std::optional<Mode> mode = RecordedModeFor(name);
-  if (!mode) throw Error(StrCat("mode ", name, ", expected ffa, team or radio"));
+  if (!mode || *mode == Mode::kOneVsOne) {
+    throw Error(StrCat("mode ", name, ", expected ffa, team or radio"));
+  }
   return *mode;
 }
 

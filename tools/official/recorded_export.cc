@@ -33,6 +33,12 @@ std::string List(const Values& values, Text text) {
 // A number as text, whatever integer or enumeration it is.
 constexpr auto kNumber = [](auto value) { return StrCat(static_cast<int>(value)); };
 
+// What is stored of those who play.
+template <typename Value>
+std::span<const Value> Playing(const std::array<Value, kAgentCount>& values, Mode mode) {
+  return std::span(values).first(static_cast<std::size_t>(SeatCount(mode)));
+}
+
 std::string Words(const std::array<Message, kAgentCount>& messages) {
   return List(messages, [](const Message& message) { return List(message, kNumber); });
 }
@@ -58,13 +64,6 @@ std::string Digits(const Cells& cells, int size) {
   return Quoted(digits);
 }
 
-// What each agent that plays has, by agent id.
-template <typename Value>
-std::span<const Value> Seats(const GameSettings& settings,
-                             const std::array<Value, kAgentCount>& values) {
-  return std::span(values).first(static_cast<std::size_t>(SeatCount(settings.mode)));
-}
-
 // --- Positions ----------------------------------------------------------------------------------
 
 // Lists of (row, column, number).
@@ -87,7 +86,7 @@ std::string BombText(const Bomb& bomb) {
                 rolls ? kNumber(bomb.direction()) : "null", "]");
 }
 
-std::string PositionText(const GameSettings& settings, const State& state) {
+std::string PositionText(const State& state, const GameSettings& settings) {
   std::array<CellValue, kCellCount> board{};
   for (Cell cell = 0; cell < kCellCount; ++cell) board[cell] = state.ValueAt(cell);
   CellNumbers flames;
@@ -102,7 +101,7 @@ std::string PositionText(const GameSettings& settings, const State& state) {
     items.push_back(
         {RowOf(cell), ColumnOf(cell), kBeforeFirst + static_cast<int>(state.ItemAt(cell))});
   });
-  return StrCat(R"({"ag":)", List(Seats(settings, state.agents), AgentText), R"(,"b":)",
+  return StrCat(R"({"ag":)", List(Playing(state.agents, settings.mode), AgentText), R"(,"b":)",
                 Digits(board, settings.board_size), R"(,"bo":)", List(state.Bombs(), BombText),
                 R"(,"fl":)", ListOf(flames), R"(,"it":)", ListOf(items), R"(,"n":)", state.step,
                 "}");
@@ -152,7 +151,7 @@ std::string Header(const RecordedGame& game) {
              R"(,"blast_cap":)", settings.blast_strength_cap, R"(,"view":)",
              settings.view_radius == 0 ? "null" : StrCat(settings.view_radius), R"(,"collapses":)",
              CollapseSteps(settings), R"(,"tag":)", Quoted(game.tag), R"(,"state":)",
-             PositionText(settings, game.start));
+             PositionText(game.start, settings));
   if (settings.mode == Mode::kTeamRadio) line += R"(,"words":)" + Words(game.start.messages);
   if (game.observations) {
     line += R"(,"obs":)" + ObservationsText(*game.observations, settings);
@@ -161,11 +160,12 @@ std::string Header(const RecordedGame& game) {
 }
 
 std::string StepLine(const RecordedStep& step, const GameSettings& settings) {
-  std::string line = R"({"t":"step","a":)" + List(Seats(settings, step.actions), kNumber);
-  if (settings.mode == Mode::kTeamRadio) line += R"(,"m":)" + Words(step.messages);
-  line += StrCat(R"(,"s":)", PositionText(settings, step.state), R"(,"r":)",
-                 List(Seats(settings, step.rewards), kNumber), R"(,"d":)",
-                 step.done ? "true" : "false");
+  const Mode mode = settings.mode;
+  std::string line = R"({"t":"step","a":)" + List(Playing(step.actions, mode), kNumber);
+  if (mode == Mode::kTeamRadio) line += R"(,"m":)" + Words(step.messages);
+  line +=
+      StrCat(R"(,"s":)", PositionText(step.state, settings), R"(,"r":)",
+             List(Playing(step.rewards, mode), kNumber), R"(,"d":)", step.done ? "true" : "false");
   if (step.observations) line += R"(,"o":)" + ObservationsText(*step.observations, settings);
   return line + "}\n";
 }

@@ -12,9 +12,9 @@
 namespace powderkeg {
 namespace {
 
-constexpr int kSmallBoardSize = 8;
-
 using Json = nlohmann::json;
+
+constexpr int kSmallBoardSize = 8;
 
 // ---- Reading JSON: every function throws Error on what does not fit. ----
 
@@ -73,15 +73,16 @@ Item ItemOf(const Json& json) {
   return static_cast<Item>(Number(json, kFirst, kFirst + 2) - kFirst + 1);
 }
 
+std::array<std::uint8_t, kCellCount> Numbers(const Json& json) { return BoardNumbers(Text(json)); }
+
+std::array<std::uint8_t, kCellCount> BoardOf(const Json& json) {
+  return BoardNumbers(Text(json), CellValue::kRigid);
+}
+
 // One value for each agent that plays.
 const Json& SeatList(const Json& json) {
   if (json.is_array() && json.size() == SeatCount(Mode::kOneVsOne)) return json;
   return List(json, kAgentCount);
-}
-
-// What an array of an observation says.
-std::array<std::uint8_t, kCellCount> NumbersOf(const Json& json) {
-  return BoardNumbers(Text(json), CellValue::kPassage);
 }
 
 CellValue CellValueOf(int digit) {
@@ -155,10 +156,11 @@ void CheckBoard(const std::array<std::uint8_t, kCellCount>& board, const State& 
 
 State ReadState(const Json& json) {
   State state;
-  const auto board = BoardNumbers(Text(Field(json, "b")));
+  const auto board = BoardOf(Field(json, "b"));
   ReadBoard(board, state);
   state.step = NumberOf<std::uint16_t>(Field(json, "n"));
-  std::ranges::transform(SeatList(Field(json, "ag")), state.agents.begin(), ReadAgent);
+  const Json& agents = SeatList(Field(json, "ag"));
+  std::ranges::transform(agents, state.agents.begin(), ReadAgent);
   ReadBombs(Field(json, "bo"), state);
   ReadFlames(Field(json, "fl"), state);
   ReadHiddenItems(Field(json, "it"), state);
@@ -174,8 +176,8 @@ Message ReadMessage(const Json& json) {
 }
 
 void ReadCells(const Json& json, Observation& observation) {
-  const auto board = BoardNumbers(Text(Field(json, "board")));
-  const auto directions = NumbersOf(Field(json, "bomb_moving_direction"));
+  const auto board = BoardOf(Field(json, "board"));
+  const auto directions = Numbers(Field(json, "bomb_moving_direction"));
   for (Cell cell = 0; cell < kCellCount; ++cell) {
     observation.board[cell] = CellValueOf(board[cell]);
     if (directions[cell] > static_cast<int>(Direction::kRight)) {
@@ -183,9 +185,9 @@ void ReadCells(const Json& json, Observation& observation) {
     }
     observation.bomb_moving_direction[cell] = static_cast<Direction>(directions[cell]);
   }
-  observation.bomb_blast_strength = NumbersOf(Field(json, "bomb_blast_strength"));
-  observation.bomb_life = NumbersOf(Field(json, "bomb_life"));
-  observation.flame_life = NumbersOf(Field(json, "flame_life"));
+  observation.bomb_blast_strength = Numbers(Field(json, "bomb_blast_strength"));
+  observation.bomb_life = Numbers(Field(json, "bomb_life"));
+  observation.flame_life = Numbers(Field(json, "flame_life"));
   if (std::ranges::max(observation.flame_life) > 3) throw Error("a flame lives longer than 3");
 }
 
@@ -324,15 +326,18 @@ bool ReadLine(const Json& json, RecordedGame& game) {
 }  // namespace
 
 std::array<std::uint8_t, kCellCount> BoardNumbers(std::string_view digits, CellValue beyond) {
-  const std::size_t size = digits.size() == kCellCount ? kBoardSize : kSmallBoardSize;
-  if (digits.size() != size * size) throw Error(StrCat("board of ", digits.size(), " cells"));
+  const int size = digits.size() == kCellCount ? kBoardSize : kSmallBoardSize;
+  if (static_cast<int>(digits.size()) != size * size) {
+    throw Error(StrCat("board of ", digits.size(), " cells"));
+  }
   std::array<std::uint8_t, kCellCount> numbers{};
   numbers.fill(static_cast<std::uint8_t>(beyond));
-  for (std::size_t i = 0; i < digits.size(); ++i) {
-    const std::size_t number = kBoardDigits.find(digits[i]);
-    if (number == std::string_view::npos)
-      throw Error(StrCat("board has a cell '", digits[i], '\''));
-    numbers[i / size * kBoardSize + i % size] = static_cast<std::uint8_t>(number);
+  int cell = 0;  // among those in play
+  for (const char digit : digits) {
+    const std::size_t number = kBoardDigits.find(digit);
+    if (number == std::string_view::npos) throw Error(StrCat("board has a cell '", digit, '\''));
+    numbers[CellAt(cell / size, cell % size)] = static_cast<std::uint8_t>(number);
+    ++cell;
   }
   return numbers;
 }

@@ -18,13 +18,14 @@
 
 namespace powderkeg {
 
-// A board is text of 121 of these digits, row by row; one of OneVsOne-v0 has 64.
+// A board is text of 121 of these digits, or 64 of a board of 8 x 8, row by row.
 inline constexpr std::string_view kBoardDigits = "0123456789abcdefghijklmnopqrstuvwxyz";
-// The numbers that such a text stands for, and `beyond` a small board. Throws Error on any other.
-[[nodiscard]] std::array<std::uint8_t, kCellCount> BoardNumbers(
-    std::string_view digits, CellValue beyond = CellValue::kRigid);
+// The numbers that such a text stands for; `beyond` a small board. Throws Error on any other text.
+[[nodiscard]] std::array<std::uint8_t, kCellCount> BoardNumbers(std::string_view digits,
+                                                                CellValue beyond = {});
 
-// nullopt for a mode that cannot be replayed: all but ffa, team, radio and one_vs_one.
+// nullopt for a mode that cannot be replayed: all but ffa, team, radio
+// and one_vs_one.
 [[nodiscard]] std::optional<Mode> RecordedModeFor(std::string_view name);
 
 // An official observation: what Observation holds, and what it leaves to the settings.
