@@ -8,9 +8,9 @@
 
 namespace powderkeg {
 
-// Calls run() and returns the program's exit code: an Error, or what the library throws where files,
-// descriptors or memory fail, becomes one line on standard error, "name: what is wrong", and the
-// code 1.
+// Calls run() and returns the program's exit code: an Error, or what the library throws where
+// files, descriptors or memory fail, becomes one line on standard error, "name: what is wrong", and
+// the code 1.
 template <typename Function>
 [[nodiscard]] int RunMain(std::string_view name, const Function& run) {
   try {

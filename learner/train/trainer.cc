@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/base/log.h"
 #include "common/model/planes.h"
 #include "common/torch/snapshot_conversion.h"
 #include "common/torch/torch_evaluator.h"
@@ -24,6 +25,12 @@ using torch::optim::AdamW;
 using torch::optim::AdamWOptions;
 using torch::optim::AdamWParamState;
 using Clock = std::chrono::steady_clock;
+
+// Samples that are computed with at once: these bound memory and the time to a stop.
+constexpr std::size_t kSlice = 1024;
+
+// A loss so many times that of guessing is worth a word.
+constexpr double kFarAboveGuessing = 2;
 
 constexpr const char* kFirstMoment = ".exp_avg";
 constexpr const char* kSecondMoment = ".exp_avg_sq";
@@ -115,12 +122,20 @@ torch::Tensor FromArray(const std::vector<NamedArray>& arrays, const std::string
 
 // ---- One training step --------------------------------------------------------------------------
 
+TargetSettings TargetsOf(const TrainingConfig& training) {
+  return {.argmax_weight = training.target_argmax_weight,
+          .outcome_values = {.draw = training.draw_value.value_or(0),
+                             .late_win = training.late_win_value.value_or(1)},
+          .search_value_weight = training.target_search_value_weight};
+}
+
 // Sums over samples, kept on the device: reading them waits for it.
 struct Losses {
   torch::Tensor policy;
   torch::Tensor value;
   torch::Tensor agreements;  // of samples that have a policy target
   torch::Tensor policies;    // such samples
+  std::uint64_t samples = 0;
 
   explicit Losses(torch::Device device) {
     const auto options = torch::TensorOptions().dtype(torch::kFloat64).device(device);
@@ -157,6 +172,7 @@ class SampleStream {
 
 struct Trainer::Implementation {
   TrainerSettings settings;
+  TargetSettings targets;
   torch::Device device;
   Precision precision;
   Network network;
@@ -167,6 +183,7 @@ struct Trainer::Implementation {
 
   Implementation(const TrainerSettings& trainer_settings, const TrainerState& state)
       : settings(trainer_settings),
+        targets(TargetsOf(settings.training)),
         device(DeviceFor(settings.training.device)),
         precision(PrecisionFor(settings.precision, device)),
         network(MakeOnDevice(state.weights, device)),
@@ -214,7 +231,7 @@ struct Trainer::Implementation {
     return torch::from_blob(values.data(), shape, torch::kFloat32).to(device);
   }
 
-  // The loss of the batch per sample; its parts are added to `losses`.
+  // Of the slice in `batch`, the sum over its samples; its parts are added to `losses`.
   torch::Tensor LossOf(Losses& losses) {
     const auto size = static_cast<std::int64_t>(batch.size);
     const torch::Tensor planes = OnDevice(batch.planes, {size, kPlaneCount, kBoardSize, kBoardSize})
@@ -234,32 +251,35 @@ struct Trainer::Implementation {
     const torch::Tensor has_policy = policies.sum(1) > 0;
     losses.agreements += (logits.argmax(1).eq(policies.argmax(1)) & has_policy).sum();
     losses.policies += has_policy.sum();
+    losses.samples += batch.size;
     const double alpha = settings.training.value_weight;
-    return (alpha * value_loss + (1 - alpha) * policy_loss) / size;
+    return alpha * value_loss + (1 - alpha) * policy_loss;
   }
 
-  void Step(Losses& losses) {
-    const torch::Tensor loss = LossOf(losses);
+  // One step of the optimizer, on slices of the batch. False: stopped, without a step.
+  bool Step(SampleStream& stream, Rng& rng, Losses& losses, const std::stop_token& stop,
+            const std::function<void()>& slice_done) {
+    const auto batch_size = static_cast<std::size_t>(settings.training.batch_size);
+    std::vector<const Sample*> slice;
     optimizer.zero_grad();
-    loss.backward();
+    for (std::size_t left = batch_size; left > 0; left -= slice.size()) {
+      if (stop.stop_requested()) return false;
+      slice.resize(std::min(left, kSlice));
+      stream.Next(slice);
+      BuildBatch(settings.game, targets, slice, rng, batch);
+      (LossOf(losses) / settings.training.batch_size).backward();
+      slice_done();
+    }
     optimizer.step();
     ++steps;
-    samples_seen += batch.size;
+    samples_seen += batch_size;
+    return true;
   }
 
-  [[nodiscard]] TargetSettings Targets() const {
-    const TrainingConfig& training = settings.training;
-    return {.argmax_weight = training.target_argmax_weight,
-            .outcome_values = {.draw = training.draw_value.value_or(0),
-                               .late_win = training.late_win_value.value_or(1)},
-            .search_value_weight = training.target_search_value_weight};
-  }
-
-  [[nodiscard]] TrainingResult ResultOf(const Losses& losses, std::uint64_t samples,
-                                        Clock::time_point start) const {
+  [[nodiscard]] TrainingResult ResultOf(const Losses& losses, Clock::time_point start) const {
     TrainingResult result;
-    result.samples = samples;
-    const double count = std::max(1.0, static_cast<double>(samples));
+    result.samples = losses.samples;
+    const double count = std::max(1.0, static_cast<double>(losses.samples));
     const double policies = std::max(1.0, losses.policies.item<double>());
     result.policy_loss = losses.policy.item<double>() / policies;
     result.value_loss = losses.value.item<double>() / count;
@@ -273,8 +293,16 @@ struct Trainer::Implementation {
                          settings.training.learning_rate));
     }
     const std::chrono::duration<double> seconds = Clock::now() - start;
-    result.samples_per_s = static_cast<double>(samples) / seconds.count();
+    result.samples_per_s = static_cast<double>(losses.samples) / seconds.count();
     return result;
+  }
+
+  void WarnOfLoss(double loss) const {
+    const double alpha = settings.training.value_weight;
+    const double guessing = alpha + (1 - alpha) * std::log(double{kActionCount});
+    if (loss <= kFarAboveGuessing * guessing) return;
+    log::Warn("the loss is far above that of guessing; try a smaller training.learning_rate",
+              "loss", loss, "guessing", guessing);
   }
 };
 
@@ -297,24 +325,21 @@ TrainingResult Trainer::Train(const ReplayWindow& window, Rng rng, const std::st
   Implementation& trainer = *implementation_;
   const TrainingConfig& training = trainer.settings.training;
   InitialiseTorch(training.threads);
-  const TargetSettings targets = trainer.Targets();
   const auto batch_size = static_cast<std::size_t>(training.batch_size);
   const double wanted = training.epochs * static_cast<double>(window.size());
   const auto batches = static_cast<std::uint64_t>(
       std::max(1.0, std::round(wanted / static_cast<double>(batch_size))));
   SampleStream stream(window, rng);
-  std::vector<const Sample*> samples(batch_size);
   Losses losses(trainer.device);
   const Clock::time_point start = Clock::now();
   std::uint64_t done = 0;
   trainer.network->train();
-  for (; done < batches && !stop.stop_requested(); ++done) {
-    stream.Next(samples);
-    BuildBatch(trainer.settings.game, targets, samples, rng, trainer.batch);
-    trainer.Step(losses);
-    if (progress) progress({(done + 1) * batch_size, batches * batch_size});
-  }
-  TrainingResult result = trainer.ResultOf(losses, done * batch_size, start);
+  const auto slice_done = [&] {
+    if (progress) progress({losses.samples, batches * batch_size});
+  };
+  while (done < batches && trainer.Step(stream, rng, losses, stop, slice_done)) ++done;
+  TrainingResult result = trainer.ResultOf(losses, start);
+  trainer.WarnOfLoss(result.total_loss);
   result.finished = done == batches;
   return result;
 }
@@ -323,19 +348,18 @@ TrainingResult Trainer::Measure(std::span<const Sample> samples) {
   Implementation& trainer = *implementation_;
   const torch::NoGradGuard no_gradients;
   trainer.network->eval();
-  const auto batch_size = static_cast<std::size_t>(trainer.settings.training.batch_size);
   Losses losses(trainer.device);
   Rng rng(/*seed=*/0);
   const Clock::time_point start = Clock::now();
-  for (std::size_t first = 0; first < samples.size(); first += batch_size) {
-    std::vector<const Sample*> batch;
-    for (const Sample& sample : samples.subspan(first, std::min(batch_size, samples.size() - first))) {
-      batch.push_back(&sample);
+  for (std::size_t first = 0; first < samples.size(); first += kSlice) {
+    std::vector<const Sample*> slice;
+    for (const Sample& sample : samples.subspan(first, std::min(kSlice, samples.size() - first))) {
+      slice.push_back(&sample);
     }
-    BuildBatch(trainer.settings.game, trainer.Targets(), batch, rng, trainer.batch);
+    BuildBatch(trainer.settings.game, trainer.targets, slice, rng, trainer.batch);
     (void)trainer.LossOf(losses);
   }
-  TrainingResult result = trainer.ResultOf(losses, samples.size(), start);
+  TrainingResult result = trainer.ResultOf(losses, start);
   result.finished = true;
   return result;
 }

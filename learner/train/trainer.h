@@ -57,8 +57,10 @@ class Trainer {
   void SetLearningRate(double learning_rate);
 
   // Trains for settings.epochs passes over the window, each in a new random order, in whole
-  // batches (at least one). Calls `progress` after every batch. Requires a window that is not
-  // empty. Throws Error if the loss is not finite.
+  // batches (at least one). Large batches are computed in slices (normalised slice by slice), and
+  // `progress` is called, and a stop noticed, after each: the batch then changes no weight.
+  // Requires a window that is not empty. Throws Error if the loss is not finite, and warns if it is
+  // far above that of guessing.
   TrainingResult Train(const ReplayWindow& window, Rng rng, const std::stop_token& stop,
                        const std::function<void(const TrainingProgress&)>& progress);
 

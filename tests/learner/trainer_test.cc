@@ -14,6 +14,9 @@
 namespace powderkeg {
 namespace {
 
+using testing::HasSubstr;
+using testing::Not;
+
 // As small as networks get: tests of the mechanics.
 NetworkDescription TinyNetwork() {
   NetworkDescription description;
@@ -145,6 +148,49 @@ TEST(Trainer, StopsBetweenBatches) {
       });
   EXPECT_FALSE(result.finished);
   EXPECT_EQ(result.samples, 64u);
+}
+
+TEST(Trainer, StopsWithinALargeBatch) {
+  const ReplayWindow window = WindowOf(4);
+  TrainerSettings settings = TinySettings();
+  settings.training.batch_size = 1 << 20;
+  const TrainerState before = FreshState();
+  Trainer trainer(settings, before);
+  std::stop_source stop;
+  const TrainingResult result =
+      trainer.Train(window, Rng(1), stop.get_token(), [&](const TrainingProgress& progress) {
+        EXPECT_EQ(progress.samples, 1u << 20);
+        stop.request_stop();
+      });
+  EXPECT_FALSE(result.finished);
+  EXPECT_LT(result.samples, 10'000u);
+  EXPECT_EQ(trainer.state(1).optimizer_steps, 0u);
+}
+
+TEST(Trainer, ALargeBatchIsOneStep) {
+  const ReplayWindow window = WindowOf(4);
+  TrainerSettings settings = TinySettings();
+  settings.training.batch_size = 2500;
+  Trainer trainer(settings, FreshState());
+  const TrainingResult result = Train(trainer, window);
+  EXPECT_TRUE(result.finished);
+  EXPECT_EQ(result.samples, 2500u);
+  EXPECT_NEAR(result.policy_loss, std::log(6.0), 0.05);
+  EXPECT_EQ(trainer.state(2).optimizer_steps, 1u);
+}
+
+TEST(Trainer, WarnsOfALossFarAboveThatOfGuessing) {
+  const ReplayWindow window = WindowOf(4);
+  TrainerSettings settings = TinySettings();
+  const auto warnings = [&](double learning_rate) {
+    settings.training.learning_rate = learning_rate;
+    Trainer trainer(settings, FreshState());
+    testing::internal::CaptureStderr();
+    Train(trainer, window);
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_THAT(warnings(0.001), Not(HasSubstr("far above")));
+  EXPECT_THAT(warnings(10), HasSubstr("W the loss is far above that of guessing"));
 }
 
 TEST(Trainer, EpochsMayBeFractionsAndWindowsSmall) {

@@ -129,7 +129,8 @@ TEST(SealTest, FindsAnotherTicket) {
 
 TEST(CodecTest, MessagesComeBackAsTheyWere) {
   SelfPlayConfig config = QuickConfig();
-  config.search = {{"preset", "paper"}, {"simulations", "64"}, {"c_puct_init", "1.25"}};
+  config.search = PaperSettings();
+  config.search.c_puct_init = 1.25;
   const Sha256Digest digest = SettingsDigest(config);
   ExpectSurvives(Hello{.run_id = "run",
                        .build = "0.1",
