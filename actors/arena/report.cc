@@ -99,17 +99,15 @@ std::string ContenderText(const Contender& contender) {
 
 std::string TableText(std::span<const Contender> contenders) {
   std::string text =
-      "   win   [95 %]            tie    loss    died    Elo   steps  depth  ms/move   stop  bombs "
-      " kicks"
-      "  kills  cells  agent\n";
+      "   win   [95 %]            tie    loss    died    Elo   steps  depth  ms/move   stop  bombs"
+      "  kicks  kills  cells  agent\n";
   for (const Contender& contender : contenders) {
     const MatchSummary& summary = contender.summary;
     const std::uint64_t games = summary.score.games();
     const Interval win = WilsonInterval(summary.score.wins, games);
     text += Format(
         "%6.3f [%5.3f, %5.3f]  %6.3f  %6.3f  %6.3f  %+5.0f  %6.1f  %5.2f  %7.2f  %5.3f  %5.2f  "
-        "%5.2f  "
-        "%5.2f  %5.2f  %s\n",
+        "%5.2f  %5.2f  %5.2f  %s\n",
         RateOf(summary.score.wins, games), win.low, win.high, RateOf(summary.score.ties, games),
         RateOf(summary.score.losses, games), RateOf(summary.deaths, summary.agents),
         summary.elo.elo, summary.steps.mean(), summary.mean_depth, summary.ms_per_move,

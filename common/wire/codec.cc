@@ -95,7 +95,7 @@ void Write(const Ack& ack, proto::Envelope& envelope) {
     rejected.set_reason(Reason(game.reason));
   }
   AddAll(ack.tickets, message.mutable_tickets());
-  AddAll(ack.past_versions, message.mutable_past_versions());
+  message.mutable_past_versions()->Add(ack.past_versions.begin(), ack.past_versions.end());
 }
 
 void Write(const WeightsOffer& offer, proto::WeightsOffer& message) {
