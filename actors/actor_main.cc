@@ -54,9 +54,9 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
                  "folder with learner.public and actors/NAME.{public,secret}");
   app.add_option("--run", arguments.run_id, "refuse to play for any other run");
   app.add_option("--evaluator", arguments.evaluator,
-                 "auto, uniform, onednn or torch instead of what the run says");
+                 Joined(kEvaluatorNames, ", ") + " instead of what the run says");
   app.add_option("--precision", arguments.precision,
-                 "auto, fp32, bf16, fp16 or int8 instead of what the run says");
+                 Joined(kPrecisionNames, ", ") + " instead of what the run says");
   app.add_option("--log-file", arguments.log_file, "beside standard error");
   app.add_option("--log-level", arguments.log_level, "debug, info, warn or error");
   app.add_option("--patience", arguments.patience_s,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <iostream>
 #include <memory>
 #include <string>
 #include <thread>
@@ -16,6 +17,7 @@
 #include "common/base/check.h"
 #include "common/base/log.h"
 #include "common/base/run_main.h"
+#include "common/config/agent_spec.h"
 #include "common/http/http_server.h"
 #include "common/model/evaluation_cache.h"
 #include "common/model/weights_snapshot.h"
@@ -62,8 +64,15 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       ->excludes(simulations);
   app.add_option("--seed", arguments.seed, "of all random choices (1)");
   app.add_option("--evaluator", arguments.evaluator.evaluator,
-                 "of agents with a model: auto, uniform, onednn, torch");
-  app.add_option("--precision", arguments.evaluator.precision, "auto, fp32, bf16, fp16, int8");
+                 "of agents with a model: " + Joined(kEvaluatorNames, ", "));
+  app.add_option("--precision", arguments.evaluator.precision, Joined(kPrecisionNames, ", "));
+  app.add_flag_callback(
+      "--help-options",
+      [] {
+        std::cout << AgentOptionsHelp();
+        throw CLI::Success();
+      },
+      "every option of a search with its default, meaning and range");
   app.add_option("--evaluator-threads", arguments.evaluator.threads,
                  StrCat("processors that answer the questions of a search, each part of them (",
                         arguments.evaluator.threads, "); only with onednn"))

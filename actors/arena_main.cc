@@ -19,6 +19,7 @@
 #include "actors/play/factory.h"
 #include "common/base/check.h"
 #include "common/base/run_main.h"
+#include "common/config/agent_spec.h"
 #include "common/model/weights_snapshot.h"
 
 namespace powderkeg {
@@ -82,8 +83,15 @@ void AddPlayers(CLI::App& app, Arguments& arguments) {
   app.add_option("--mate", arguments.mate,
                  "in team modes: who plays with the measured agent; without it, the agent itself");
   app.add_option("--evaluator", arguments.evaluator.evaluator,
-                 "of agents with a model: auto, uniform, onednn, torch");
-  app.add_option("--precision", arguments.evaluator.precision, "auto, fp32, bf16, fp16, int8");
+                 "of agents with a model: " + Joined(kEvaluatorNames, ", "));
+  app.add_option("--precision", arguments.evaluator.precision, Joined(kPrecisionNames, ", "));
+  app.add_flag_callback(
+      "--help-options",
+      [] {
+        std::cout << AgentOptionsHelp();
+        throw CLI::Success();
+      },
+      "every option of a search with its default, meaning and range");
 }
 
 void AddGames(CLI::App& app, Arguments& arguments) {

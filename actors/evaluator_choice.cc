@@ -6,6 +6,7 @@
 
 #include "actors/play/parallel_evaluator.h"
 #include "common/base/check.h"
+#include "common/config/agent_spec.h"
 #include "common/model/evaluation_cache.h"
 #include "common/model/precision.h"
 #include "common/pommerman/generate.h"
@@ -77,7 +78,7 @@ std::unique_ptr<Evaluator> MakeOne(const std::string& name, const EvaluatorChoic
   if (name == "uniform") return std::make_unique<UniformEvaluator>();
   if (name == "onednn") return MakeOnednn(choice, snapshot);
   if (name == "torch") return MakeTorch(choice, snapshot);
-  throw Error(StrCat("evaluator \"", name, "\": expected one of auto, uniform, onednn, torch"));
+  throw Error(StrCat("evaluator \"", name, "\": expected one of ", Joined(kEvaluatorNames, ", ")));
 }
 
 }  // namespace

@@ -12,11 +12,11 @@
 namespace powderkeg {
 
 struct EvaluatorChoice {
-  std::string evaluator = "auto";  // auto | uniform | onednn | torch; auto: torch if it has a CUDA
-                                   // device, else onednn, else torch
-  std::string precision = "auto";  // auto | fp32 | bf16 | fp16 | int8; auto: fp16 on CUDA, bf16 where the
-                                   // processor has it, else fp32
-  int threads = 1;                 // that share each batch; more than one only with onednn
+  // Of kEvaluatorNames and kPrecisionNames (agent_spec.h). auto: torch if it has a CUDA device,
+  // else onednn, else torch; fp16 on CUDA, bf16 where the processor has it, else fp32.
+  std::string evaluator = "auto";
+  std::string precision = "auto";
+  int threads = 1;   // that share each batch; more than one only with onednn
   int cache_mb = 8;  // of memory for answers given before (EvaluationCache); 0: none. A search of
                      // 250 simulations asks a third of its questions twice, of 1000 half of them;
                      // what it asks fits into 1 MB.

@@ -6,9 +6,11 @@
 #include <csignal>
 #include <exception>
 #include <filesystem>
+#include <iostream>
 #include <string>
 
 #include "common/base/log.h"
+#include "common/config/config.h"
 #include "learner/report/dashboard.h"
 #include "learner/run/learner.h"
 #include "learner/run/run_folder.h"
@@ -42,6 +44,16 @@ void AddOptions(CLI::App& app, Options& options) {
   app.add_option("--set", options.learner.changes,
                  "PATH=VALUE overrides one setting; may be repeated")
       ->take_all();
+  app.add_flag_callback(
+      "--help-options",
+      [] {
+        std::cout << SettingsHelp();
+        throw CLI::Success();
+      },
+      "every setting with its default, meaning and range");
+  app.add_option("--initial-weights", options.learner.first_weights,
+                 "what a new run starts from: a .weights file, or a .checkpoint file with its\n"
+                 "optimizer; a run that has begun keeps its own");
   app.add_option("--listen", options.learner.listen,
                  "tcp://*:PORT, tcp://127.0.0.1:PORT or ipc://PATH")
       ->capture_default_str();

@@ -99,6 +99,12 @@ class Scoreboard {
   std::map<int, PlayedGame> early_;  // ended before a game of a lower number; guarded by mutex_
 };
 
+// The environment's word, which ties whoever died before a tie.
+std::int8_t OfficialOutcome(const Outcome& outcome, AgentId seat) {
+  if (outcome.result == Result::kTie) return 0;
+  return (outcome.winners >> seat & 1) != 0 ? 1 : -1;
+}
+
 // Writes the position; "the position is saved in FILE", or why it is not.
 std::string SavePosition(const State& state, const std::string& path) {
   std::ofstream file(path);
@@ -165,7 +171,8 @@ class MatchThread final : public GameHost {
     played.seat = SeatOf(/*role=*/0, played.number, seats);
     for (int role = 0; role < seats; ++role) {
       const AgentId seat = SeatOf(role, played.number, seats);
-      played.outcomes[role] = static_cast<std::int8_t>(OutcomeFor(record, seat));
+      played.outcomes[role] = OfficialOutcome(record.outcome, seat);
+      played.died[role] = !game.state().agents[seat].alive;
       played.statistics[role] = game.statistics(seat);
     }
     moves_ += MeasuredMoves(game);

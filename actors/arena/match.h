@@ -39,7 +39,8 @@ struct PlayedGame {
   std::uint64_t seed = 0;  // GameSetup::seed
   int steps = 0;
   AgentId seat = 0;                                 // of role 0
-  std::array<std::int8_t, kAgentCount> outcomes{};  // +1 win, 0 tie, -1 loss
+  std::array<std::int8_t, kAgentCount> outcomes{};  // official: +1 win, 0 tie, -1 loss
+  std::array<bool, kAgentCount> died{};             // dead at the end
   GameStatistics statistics{};
 };
 

@@ -14,7 +14,7 @@ namespace powderkeg {
 namespace {
 
 // In quotes, with what JSON and CSV both need escaped in a file name or specification.
-std::string Quoted(std::string_view text) {
+std::string Escaped(std::string_view text) {
   std::string quoted = "\"";
   for (const char character : text) {
     if (character == '"' || character == '\\') quoted += '\\';
@@ -86,7 +86,8 @@ std::string ContenderText(const Contender& contender) {
       Format("  %llu games in %.1f s against %s\n", static_cast<unsigned long long>(games),
              contender.match.seconds, contender.opponents.c_str()) +
       RateText("win", summary.score.wins, games) + RateText("tie", summary.score.ties, games) +
-      RateText("loss", summary.score.losses, games) + "  Elo     " + EloText(summary.elo) +
+      RateText("loss", summary.score.losses, games) +
+      RateText("died", summary.deaths, summary.agents) + "  Elo     " + EloText(summary.elo) +
       "  over the average opponent\n" +
       Format("  steps   %5.1f   (sd %.1f; alive for %.1f)\n", summary.steps.mean(),
              summary.steps.standard_deviation(), summary.moves_per_game) +
@@ -98,20 +99,20 @@ std::string ContenderText(const Contender& contender) {
 
 std::string TableText(std::span<const Contender> contenders) {
   std::string text =
-      "   win   [95 %]            tie    loss    Elo   steps  depth  ms/move   stop  bombs  kicks"
-      "  kills  cells  agent\n";
+      "   win   [95 %]            tie    loss    died    Elo   steps  depth  ms/move   stop  bombs"
+      "  kicks  kills  cells  agent\n";
   for (const Contender& contender : contenders) {
     const MatchSummary& summary = contender.summary;
     const std::uint64_t games = summary.score.games();
     const Interval win = WilsonInterval(summary.score.wins, games);
     text += Format(
-        "%6.3f [%5.3f, %5.3f]  %6.3f  %6.3f  %+5.0f  %6.1f  %5.2f  %7.2f  %5.3f  %5.2f  %5.2f  "
-        "%5.2f  %5.2f  %s\n",
+        "%6.3f [%5.3f, %5.3f]  %6.3f  %6.3f  %6.3f  %+5.0f  %6.1f  %5.2f  %7.2f  %5.3f  %5.2f  "
+        "%5.2f  %5.2f  %5.2f  %s\n",
         RateOf(summary.score.wins, games), win.low, win.high, RateOf(summary.score.ties, games),
-        RateOf(summary.score.losses, games), summary.elo.elo, summary.steps.mean(),
-        summary.mean_depth, summary.ms_per_move, summary.action_shares[0], summary.bombs_per_game,
-        summary.kicks_per_game, summary.kills_per_game, summary.cells_in_window,
-        contender.agent.c_str());
+        RateOf(summary.score.losses, games), RateOf(summary.deaths, summary.agents),
+        summary.elo.elo, summary.steps.mean(), summary.mean_depth, summary.ms_per_move,
+        summary.action_shares[0], summary.bombs_per_game, summary.kicks_per_game,
+        summary.kills_per_game, summary.cells_in_window, contender.agent.c_str());
   }
   return text;
 }
@@ -158,6 +159,7 @@ std::vector<Figure> FiguresOf(const Contender& contender) {
   AddRate("win", summary.score.wins, games, figures);
   AddRate("tie", summary.score.ties, games, figures);
   AddRate("loss", summary.score.losses, games, figures);
+  AddRate("died", summary.deaths, summary.agents, figures);
   AddInterval("elo", summary.elo.elo, summary.elo.interval, figures);
   const std::vector<Figure> plain = {
       {"steps", summary.steps.mean()},
@@ -195,7 +197,7 @@ std::string QuestionJson(const TestState& test) {
           ? "open"
           : Number(test.answer == Answer::kHigh ? question.high : question.low, "");
   return Format(R"(, "question": %s, "answer": "%s", "log_likelihood_ratio": %.4f)",
-                Quoted(question.text).c_str(), answer.c_str(), test.log_likelihood_ratio);
+                Escaped(question.text).c_str(), answer.c_str(), test.log_likelihood_ratio);
 }
 
 std::string HeatMapJson(const MatchSummary& summary) {
@@ -210,7 +212,7 @@ std::string HeatMapJson(const MatchSummary& summary) {
 
 std::string ContenderJson(const Contender& contender) {
   std::string text =
-      "{\"agent\": " + Quoted(contender.agent) + ", \"opponents\": " + Quoted(contender.opponents);
+      "{\"agent\": " + Escaped(contender.agent) + ", \"opponents\": " + Escaped(contender.opponents);
   for (const Figure& figure : FiguresOf(contender)) {
     text += ", \"" + figure.name + "\": " + Number(figure.value, "null");
   }
@@ -266,21 +268,21 @@ std::string TableCsv(std::span<const Contender> contenders) {
     text += StrCat(i, ",", SeriesOf(contenders, contender));
     for (const Figure& figure : FiguresOf(contender)) text += "," + Number(figure.value, "");
     for (const std::uint64_t moves : contender.summary.heat_map) text += StrCat(",", moves);
-    text += "," + Quoted(contender.agent) + "," + Quoted(contender.opponents) + "\n";
+    text += "," + Escaped(contender.agent) + "," + Escaped(contender.opponents) + "\n";
   }
   return text;
 }
 
 std::string GamesCsv(std::span<const Contender> contenders) {
   std::string text =
-      "agent,game,seed,seat,outcome,steps,moves,simulations,bombs,kicks,kills,own_deaths\n";
+      "agent,game,seed,seat,outcome,died,steps,moves,simulations,bombs,kicks,kills,own_deaths\n";
   for (const Contender& contender : contenders) {
     for (const PlayedGame& game : contender.match.games) {
       const SeatStatistics& statistics = game.statistics[0];
-      text += Quoted(contender.agent) +
-              Format(",%d,%llu,%d,%d,%d,%u,%llu,%u,%u,%u,%u\n", game.number,
+      text += Escaped(contender.agent) +
+              Format(",%d,%llu,%d,%d,%d,%d,%u,%llu,%u,%u,%u,%u\n", game.number,
                      static_cast<unsigned long long>(game.seed), game.seat, game.outcomes[0],
-                     game.steps, statistics.moves,
+                     game.died[0] ? 1 : 0, game.steps, statistics.moves,
                      static_cast<unsigned long long>(statistics.simulations), statistics.bombs,
                      statistics.kicks, statistics.kills, statistics.own_deaths);
     }

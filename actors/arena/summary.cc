@@ -63,10 +63,12 @@ MatchSummary Summarize(const MatchSettings& settings, const Match& match) {
     const int outcome = game.outcomes[0];
     ++(outcome > 0 ? summary.score.wins : outcome < 0 ? summary.score.losses : summary.score.ties);
     summary.steps.Add(game.steps);
+    for (const int role : match.roles) summary.deaths += game.died[role] ? 1 : 0;
   }
+  summary.agents = match.games.size() * match.roles.size();
   summary.elo = EloOverOpponents(summary.score, SideCount(settings.game.mode));
   const SeatStatistics sum = MeasuredStatistics(match);
-  SummarizeActs(sum, static_cast<double>(match.games.size() * match.roles.size()), summary);
+  SummarizeActs(sum, static_cast<double>(summary.agents), summary);
   SummarizeSearch(sum, match, summary);
   return summary;
 }

@@ -14,6 +14,8 @@ namespace powderkeg {
 // means per game and agent.
 struct MatchSummary {
   MatchScore score;
+  std::uint64_t deaths = 0;         // of agents, whatever came of the game
+  std::uint64_t agents = 0;         // that could die: games, twice as many with itself as mate
   EloEstimate elo;                  // over the average opponent (elo.h)
   RunningStatistics steps;          // per game
   double moves_per_game = 0;        // steps it lived

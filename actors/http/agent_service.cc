@@ -1,6 +1,5 @@
 #include "actors/http/agent_service.h"
 
-#include <algorithm>
 #include <bit>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -40,10 +39,9 @@ GameSettings UsualSettings(Mode mode) {
 
 ServiceReply Success() { return {.body = Json{{"success", true}}.dump()}; }
 
-ServiceReply Played(Mode mode, const Observation& observation, Action action) {
+ServiceReply Played(Mode mode, Action action, const Message& words) {
   const int number = static_cast<int>(action);
   if (mode != Mode::kTeamRadio) return {.body = Json{{"action", number}}.dump()};
-  const Message words = EncodeReport(observation.step, observation.position, action);
   return {.body = Json{{"action", {number, words[0], words[1]}}}.dump()};
 }
 
@@ -123,7 +121,7 @@ ServiceReply AgentService::Act(std::string_view body, Clock::time_point arrival)
   Count(thought, {.read = Between(arrival, understood),
                   .wait = Between(understood, began),
                   .think = Between(began, answered)});
-  return Played(request.settings.mode, request.observation, action);
+  return Played(request.settings.mode, action, thought.words);
 }
 
 ServiceReply AgentService::EndEpisode(std::string_view body) {
@@ -146,11 +144,6 @@ ServiceReply AgentService::Shutdown() {
 ServiceStatistics AgentService::statistics() const {
   const std::lock_guard lock(mutex_);
   return statistics_;
-}
-
-std::optional<Cell> AgentService::mate() const {
-  const std::lock_guard lock(mutex_);
-  return game_ ? game_->mate.cell() : std::nullopt;
 }
 
 ServiceReply AgentService::Refused(int status, std::string_view reason) {
@@ -190,22 +183,10 @@ Briefing AgentService::Observe(const ActionRequest& request) {
                        game_->self == observation.self && game_->step + 1 == observation.step;
   if (!follows) {
     briefing.new_game = Rng(settings_.seed).Split(statistics_.games++);
-    game_ = Game{.settings = request.settings, .self = observation.self, .step = 0, .mate = {}};
+    game_ = Game{.settings = request.settings, .self = observation.self, .step = 0};
   }
   game_->step = observation.step;
-  if (request.settings.mode == Mode::kTeamRadio) briefing.mate = ListenToMate(observation);
   return briefing;
-}
-
-std::optional<Cell> AgentService::ListenToMate(const Observation& observation) {
-  MateTracker& mate = game_->mate;
-  mate.Hear(observation.step, observation.message);
-  const auto seen = std::ranges::find(observation.board,
-                                      AgentValue(TeamMateOf(Mode::kTeamRadio, observation.self)));
-  if (seen != observation.board.end()) {
-    mate.See(observation.step, static_cast<Cell>(seen - observation.board.begin()));
-  }
-  return mate.cell();
 }
 
 void AgentService::Count(const Thought& thought, const MoveTimes& times) {

@@ -11,7 +11,6 @@
 #include <string_view>
 
 #include "actors/http/observation_json.h"
-#include "actors/http/radio_code.h"
 #include "actors/http/thinker.h"
 #include "actors/play/agent.h"
 #include "common/model/evaluator.h"
@@ -85,8 +84,6 @@ class AgentService {
   [[nodiscard]] ServiceReply Shutdown();
 
   [[nodiscard]] ServiceStatistics statistics() const;
-  // Where the mate says it is (radio games), as the agent was told with the last observation.
-  [[nodiscard]] std::optional<Cell> mate() const;
 
  private:
   // The game being played.
@@ -94,7 +91,6 @@ class AgentService {
     GameSettings settings;
     AgentId self;
     int step;  // of the last observation
-    MateTracker mate;
   };
 
   [[nodiscard]] ServiceReply Refused(int status, std::string_view reason);
@@ -104,8 +100,6 @@ class AgentService {
   void Believe(ActionRequest& request);
   // Takes the observation into the game, a new one if it does not follow.
   [[nodiscard]] Briefing Observe(const ActionRequest& request);
-  // Takes in what the mate says (radio games); where it must be.
-  [[nodiscard]] std::optional<Cell> ListenToMate(const Observation& observation);
   // Plays `moves` moves of a game with itself, `time` each at most.
   void Rehearse(const GameSettings& settings, int moves, Clock::duration time);
   void Count(const Thought& thought, const MoveTimes& times);

@@ -103,6 +103,7 @@ void Thinker::Ponder(Move& move) {
   while (Publish(thought, move) && !thought.finished) {
     const bool decided = !PlayRound(move.briefing.settings, thought);
     thought.action = agent_->action();
+    thought.words = agent_->words();
     thought.statistics = agent_->move_statistics();
     thought.finished = decided || !pace.AllowsAnother();
   }
@@ -113,7 +114,6 @@ void Thinker::Tell(const Briefing& briefing) {
   if (briefing.new_game) {
     agent_->StartGame(briefing.settings, observation.self, *briefing.new_game);
   }
-  if (briefing.mate) agent_->HearMate(*briefing.mate);
   agent_->Begin(observation);
 }
 

@@ -25,8 +25,6 @@ struct Briefing {
   Observation observation;
   // The agent's generator, where a game begins with this observation.
   std::optional<Rng> new_game = std::nullopt;
-  // Where the mate says it is (radio games).
-  std::optional<Cell> mate = std::nullopt;
 };
 
 // What came of it.
@@ -35,7 +33,8 @@ struct Thought {
 
   std::optional<Clock::time_point> began;  // nullopt: the agent has not taken in the briefing
   std::optional<Action> action;            // the best found; nullopt: no round has ended
-  MoveStatistics statistics;               // of the search for the action
+  Message words{};                         // that go with it in radio games
+  MoveStatistics statistics;               // of the search for it
   std::uint64_t evaluations = 0;           // that it took
   bool finished = false;                   // false: cut short
 };

@@ -33,12 +33,8 @@ class Agent {
   // game: equal games get equal moves.
   virtual void StartGame(const GameSettings& settings, AgentId self, Rng rng) = 0;
 
-  // Radio games: where the mate says it is. It may be a step or two off; belongs to the next
-  // observation and comes before it.
-  virtual void HearMate(Cell /*cell*/) {}
-
   // The next move is to be made on `observation`, in which `self` lives; every observation of the
-  // game is given, in order.
+  // game is given, in order. In radio games it holds the mate's words.
   virtual void Begin(const Observation& observation) = 0;
 
   // True: the agent goes on thinking and Scatter must follow; its questions, if there are any, were
@@ -52,6 +48,10 @@ class Agent {
   // The move. Requires that Gather returned false since the last Begin, or that Scatter was the
   // last call (a clock ran out): then it is the best move found so far.
   [[nodiscard]] virtual Action action() const = 0;
+
+  // What it tells its mate with the move, in radio games; (0, 0) is silence. Same requirement as
+  // action().
+  [[nodiscard]] virtual Message words() const { return {}; }
 
   // What the search found for the last move (without weights_version, which the agent cannot know);
   // nullopt if it was made without a search. Same requirement as action().

@@ -64,6 +64,7 @@ void Game::SetModel(const Model& model) {
 void Game::BeginStep() {
   for (AgentId seat = 0; seat < kAgentCount; ++seat) {
     actions_[seat] = Action::kStop;
+    words_[seat] = {};
     phases_[seat] = Phase::kDecided;
     if (state_.agents[seat].alive) BeginMove(seat);
   }
@@ -95,7 +96,9 @@ bool Game::GatherMoves(EvaluationBatches& batches) {
 
 void Game::FinishMove(AgentId seat) {
   phases_[seat] = Phase::kDecided;
-  actions_[seat] = plan_.agents[seat].agent->action();
+  const Agent& agent = *plan_.agents[seat].agent;
+  actions_[seat] = agent.action();
+  if (plan_.setup.settings.mode == Mode::kTeamRadio) words_[seat] = agent.words();
 }
 
 void Game::PlayStep() {
@@ -109,7 +112,7 @@ void Game::PlayStep() {
   record_.actions.push_back(actions_);
   const GameSettings& settings = plan_.setup.settings;
   const State before = state_;
-  Step(settings, actions_, state_);
+  Step(settings, actions_, words_, state_);
   CountEvents(watcher_.Watch(settings, before, actions_, state_), settings.mode, statistics_);
   record_.outcome = OutcomeOf(settings, state_);
   over_ = record_.outcome.done || EndsEarly(plan_.setup, state_);

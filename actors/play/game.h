@@ -75,6 +75,7 @@ class Game {
   std::array<RuleBasedSeat, kAgentCount> rule_based_;
   std::array<Phase, kAgentCount> phases_{};
   JointAction actions_{};
+  std::array<Message, kAgentCount> words_{};  // radio: sent with the actions
   bool over_ = true;
   GameRecord record_;
   GameStatistics statistics_{};

@@ -20,6 +20,7 @@ class RawNetworkAgent final : public Agent {
   bool Gather(EvaluationBatch& batch) override;
   void Scatter(const EvaluationBatch& batch) override;
   [[nodiscard]] Action action() const override { return action_; }
+  [[nodiscard]] Message words() const override { return belief_->Report(action_); }
 
  private:
   std::optional<Belief> belief_;
@@ -28,8 +29,9 @@ class RawNetworkAgent final : public Agent {
   Action action_ = Action::kStop;
 };
 
-// A rule-based policy as an agent, for where there are only observations (the official runner). A
-// Game has rule-based seats of its own, which cost less and are verifiable.
+// A rule-based policy as an agent, silent as the official one, for where there are only
+// observations (the official runner). A Game has rule-based seats of its own, which cost less and
+// are verifiable.
 class RuleBasedAgent final : public Agent {
  public:
   explicit RuleBasedAgent(PolicyKind kind) : kind_(kind) {}

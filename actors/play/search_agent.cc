@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
-#include <utility>
 
 namespace powderkeg {
 namespace {
@@ -21,15 +20,15 @@ void SearchAgent::StartGame(const GameSettings& settings, AgentId self, Rng rng)
   belief_.emplace(settings);
   models_.StartGame(settings_, settings, self, rng.Split(kModelsPurpose));
   first_move_ = true;
-  mate_.reset();
   result_.reset();
 }
 
 void SearchAgent::Begin(const Observation& observation) {
-  const State before = belief_->state();
+  const Belief before = *belief_;
   belief_->Observe(observation);
-  if (mate_) belief_->HearMate(*std::exchange(mate_, std::nullopt));
-  if (!first_move_) models_.ObserveStep(before, belief_->state());
+  if (!first_move_) {
+    models_.ObserveStep({before.state(), before.visible()}, {belief_->state(), belief_->visible()});
+  }
   first_move_ = false;
   search_->Start(belief_->state(), models_, rng_.Split(kFirstMovePurpose + observation.step));
   result_.reset();
@@ -65,10 +64,7 @@ MoveStatistics SearchAgent::move_statistics() const {
   statistics.simulations = static_cast<std::uint32_t>(result().simulations);
   statistics.mean_depth = static_cast<float>(result().mean_depth);
   statistics.prediction = result().expected_actions;
-  for (AgentId agent = 0; agent < kAgentCount; ++agent) {
-    if (agent == belief_->self() || !belief_->state().agents[agent].alive) continue;
-    statistics.predicted_agents |= static_cast<std::uint8_t>(1 << agent);
-  }
+  statistics.predicted_agents = result().expected_agents;
   return statistics;
 }
 

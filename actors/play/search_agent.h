@@ -19,11 +19,11 @@ class SearchAgent final : public Agent {
   explicit SearchAgent(const SearchSettings& settings) : settings_(settings) {}
 
   void StartGame(const GameSettings& settings, AgentId self, Rng rng) override;
-  void HearMate(Cell cell) override { mate_ = cell; }
   void Begin(const Observation& observation) override;
   bool Gather(EvaluationBatch& batch) override;
   void Scatter(const EvaluationBatch& batch) override;
   [[nodiscard]] Action action() const override;
+  [[nodiscard]] Message words() const override { return belief_->Report(action()); }
   [[nodiscard]] std::optional<Decision> decision() const override;
   [[nodiscard]] MoveStatistics move_statistics() const override;
 
@@ -38,7 +38,6 @@ class SearchAgent final : public Agent {
   OpponentModels models_;
   std::optional<Search> search_;
   bool first_move_ = true;
-  std::optional<Cell> mate_;                    // what was heard and not yet believed
   mutable std::optional<SearchResult> result_;  // of the last move, computed when asked for
 };
 

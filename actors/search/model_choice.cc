@@ -25,6 +25,10 @@ void TakeIn(ModelMemory kind, PolicyKind policy, const PolicyView& view, const S
   }
 }
 
+void Reappear(ModelMemory kind, PolicyKind policy, Cell cell, PolicyMemory& memory) {
+  if (kind != ModelMemory::kReset) ObserveMove(policy, cell, cell, memory);
+}
+
 void ModelChoice::Start(ModelMemory memory, Rng rng) {
   memory_ = memory;
   rng_ = rng;
@@ -41,6 +45,12 @@ void ModelChoice::Observe(const PolicyView& view, const PolicyTraits& traits, co
     const bool foretold = Decide(candidate.policy, view, traits, memory, rng_) == seen;
     candidate.score += ((foretold ? kFullScore : 0) - candidate.score) / kMemorySpan;
     TakeIn(memory_, candidate.policy, view, after, traits, candidate.memory, rng_);
+  }
+}
+
+void ModelChoice::Reappear(Cell cell) {
+  for (Candidate& candidate : candidates_) {
+    powderkeg::Reappear(memory_, candidate.policy, cell, candidate.memory);
   }
 }
 

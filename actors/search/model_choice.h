@@ -17,6 +17,10 @@ namespace powderkeg {
 void TakeIn(ModelMemory kind, PolicyKind policy, const PolicyView& view, const State& after,
             const PolicyTraits& traits, PolicyMemory& memory, Rng& rng);
 
+// What it remembers of an agent that comes into view on `cell`: that place beside what it knew
+// before, which foretells it better than an empty memory.
+void Reappear(ModelMemory kind, PolicyKind policy, Cell cell, PolicyMemory& memory);
+
 // Lets every candidate foretell every observed decision and keeps the score. A value; one thread.
 class ModelChoice {
  public:
@@ -32,6 +36,9 @@ class ModelChoice {
 
   // Takes in that view.self, having seen `view`, did what leads to `after`.
   void Observe(const PolicyView& view, const PolicyTraits& traits, const State& after);
+
+  // The agent comes into view on `cell`; the score stays.
+  void Reappear(Cell cell);
 
   [[nodiscard]] const Candidate& best() const;
 

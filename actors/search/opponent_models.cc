@@ -23,6 +23,10 @@ bool IsAlive(const State& state, AgentId agent) {
   return state.agents[static_cast<std::size_t>(agent)].alive;
 }
 
+bool InView(const SeenState& seen, AgentId agent) {
+  return seen.visible.Has(seen.state.agents[static_cast<std::size_t>(agent)].cell);
+}
+
 }  // namespace
 
 void OpponentModels::StartGame(const SearchSettings& settings, const GameSettings& game,
@@ -59,13 +63,30 @@ PolicyView OpponentModels::ViewOf(const State& state, AgentId agent) const {
           game_.view_radius == 0 ? BitBoard::All() : VisibleCells(game_, cell)};
 }
 
-void OpponentModels::ObserveStep(const State& before, const State& after) {
+void OpponentModels::ObserveStep(const SeenState& before, const SeenState& after) {
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
     Other& other = others_[static_cast<std::size_t>(agent)];
-    if (agent == self_ || !IsAlive(before, agent)) continue;
+    if (agent == self_ || !IsAlive(before.state, agent) || !InView(after, agent)) continue;
     if (other.model.kind == ModelledAgent::Kind::kNetwork) continue;
-    if (memory_ == ModelMemory::kInferred) InferOrders(agent, before, after, other);
-    ObserveAgent(ViewOf(before, agent), after, other);
+    if (InView(before, agent)) {
+      ObserveAgent(agent, before.state, after.state, other);
+    } else {
+      Reappear(after.state.agents[static_cast<std::size_t>(agent)].cell, other);
+    }
+  }
+}
+
+void OpponentModels::ObserveAgent(AgentId agent, const State& before, const State& after,
+                                  Other& other) const {
+  if (memory_ == ModelMemory::kInferred) InferOrders(agent, before, after, other);
+  const PolicyView view = ViewOf(before, agent);
+  if (other.chooses) {
+    other.choice.Observe(view, other.model.traits, after);
+    other.model.policy = other.choice.best().policy;
+    other.model.memory = other.choice.best().memory;
+  } else {
+    TakeIn(memory_, other.model.policy, view, after, other.model.traits, other.model.memory,
+           other.rng);
   }
 }
 
@@ -80,15 +101,10 @@ void OpponentModels::InferOrders(AgentId agent, const State& before, const State
   other.model.traits = other.orders.traits();
 }
 
-void OpponentModels::ObserveAgent(const PolicyView& view, const State& after, Other& other) const {
-  ModelledAgent& model = other.model;
-  if (other.chooses) {
-    other.choice.Observe(view, model.traits, after);
-    model.policy = other.choice.best().policy;
-    model.memory = other.choice.best().memory;
-  } else {
-    TakeIn(memory_, model.policy, view, after, model.traits, model.memory, other.rng);
-  }
+void OpponentModels::Reappear(Cell cell, Other& other) const {
+  powderkeg::Reappear(memory_, other.model.policy, cell, other.model.memory);
+  other.choice.Reappear(cell);
+  if (other.chooses) other.model.memory = other.choice.best().memory;
 }
 
 }  // namespace powderkeg

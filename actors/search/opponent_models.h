@@ -27,8 +27,15 @@ struct ModelledAgent {
   friend bool operator==(const ModelledAgent&, const ModelledAgent&) = default;
 };
 
+// A position as an agent believes it, and the cells that it had in view.
+struct SeenState {
+  const State& state;
+  BitBoard visible = BitBoard::All();
+};
+
 // A value, one per searching agent and game: StartGame, then ObserveStep once per real step. Reads
-// only what the agent's belief holds.
+// only what the agent's belief holds, and learns of another agent only what was seen of it: where
+// one is believed out of sight says nothing of what it does.
 class OpponentModels {
  public:
   OpponentModels() = default;
@@ -36,8 +43,9 @@ class OpponentModels {
   // Forgets everything. Unknown traits are drawn from `rng`.
   void StartGame(const SearchSettings& settings, const GameSettings& game, AgentId self, Rng rng);
 
-  // Takes in one real step from the believed positions before and after it.
-  void ObserveStep(const State& before, const State& after);
+  // Takes in one real step. An agent that was not in view both before and after it may have done
+  // anything: its model stays as it is, but that one coming into view remembers where it is.
+  void ObserveStep(const SeenState& before, const SeenState& after);
 
   // For who knows what an agent hides: its model gets these traits instead of guessed ones. Once
   // per game, after StartGame; with ModelMemory::kInferred they are guessed again.
@@ -58,8 +66,9 @@ class OpponentModels {
     Rng rng = Rng(0);       // of guesses about its memory
   };
   [[nodiscard]] PolicyView ViewOf(const State& state, AgentId agent) const;
+  void ObserveAgent(AgentId agent, const State& before, const State& after, Other& other) const;
   void InferOrders(AgentId agent, const State& before, const State& after, Other& other) const;
-  void ObserveAgent(const PolicyView& view, const State& after, Other& other) const;
+  void Reappear(Cell cell, Other& other) const;
 
   ModelMemory memory_ = ModelMemory::kSynchronized;
   GameSettings game_;

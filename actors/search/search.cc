@@ -43,7 +43,11 @@ bool IsAlive(const State& state, AgentId agent) {
 }  // namespace
 
 Search::Search(const SearchSettings& settings, const GameSettings& game)
-    : settings_(settings), move_(settings), game_(AsKnownTo(settings, game)), tree_(settings) {
+    : settings_(settings),
+      move_(settings),
+      game_(AsKnownTo(settings, game)),
+      max_steps_(game.max_steps),
+      tree_(settings) {
   pending_.reserve(static_cast<std::size_t>(settings.leaves_per_batch + kAgentCount));
 }
 
@@ -278,7 +282,7 @@ void Search::Judge(const Outcome& outcome, Node& node) const {
 
 float Search::ValueOfEnd(int outcome, const Node& node) const {
   return ValueOf({.draw = settings_.draw_value, .late_win = settings_.late_win_value}, outcome,
-                 node.state.step, game_.max_steps);
+                 std::min<int>(node.state.step, max_steps_), max_steps_);
 }
 
 void Search::ReachLeaf(NodeIndex leaf, EvaluationBatch& batch) {
@@ -369,13 +373,23 @@ SearchResult Search::Result() const {
   result.evaluator_value = root.evaluation;
   result.value =
       root.visit_count == 0 ? root.evaluation : static_cast<float>(value_sum / root.visit_count);
-  if (root.proven != 0) result.value = root.proven;
   ChooseFrom(Candidates(), result);
+  if (root.proven != 0) result.value = root.value[static_cast<std::size_t>(result.best)];
   result.simulations = finished_;
   result.reused_visits = reused_visits_;
   if (finished_ > 0) result.mean_depth = static_cast<double>(depth_sum_) / finished_;
   ExpectActions(result);
   return result;
+}
+
+// What a winning mover does: the best of the actions that are proven won, if there are any.
+std::optional<std::size_t> Search::WinningAction(const Node& node) const {
+  std::optional<std::size_t> best;
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    if (node.child[a] == kNoNode || tree_[node.child[a]].proven <= 0) continue;
+    if (!best || node.value[a] > node.value[*best]) best = a;
+  }
+  return best;
 }
 
 // The root as the choice of its actions sees it: only the winning one where one is proven, none of
@@ -386,12 +400,7 @@ RootStatistics Search::Candidates() const {
   RootStatistics candidates;
   candidates.evaluation = root.evaluation;
   candidates.legal = open != 0 ? open : root.legal;
-  for (std::size_t a = 0; a < kActionCount && root.proven > 0; ++a) {
-    const NodeIndex child = root.child[a];
-    if (child == kNoNode || tree_[child].proven <= 0) continue;
-    candidates.legal = static_cast<ActionSet>(1U << a);
-    break;
-  }
+  if (root.proven > 0) candidates.legal = static_cast<ActionSet>(1U << WinningAction(root).value());
   for (std::size_t a = 0; a < kActionCount; ++a) {
     if ((candidates.legal >> a & 1) == 0) continue;
     candidates.priors[a] = root.prior[a];

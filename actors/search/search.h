@@ -3,7 +3,9 @@
 // Monte-Carlo tree search over a game whose other players are modelled (Weil et al. 2023).
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "actors/search/gumbel_root.h"
@@ -117,6 +119,7 @@ class Search {
   void EndSimulation(NodeIndex leaf);
 
   // Result
+  [[nodiscard]] std::optional<std::size_t> WinningAction(const Node& node) const;
   [[nodiscard]] RootStatistics Candidates() const;
   void ChooseFrom(RootStatistics candidates, SearchResult& result) const;
   void ExpectActions(SearchResult& result) const;
@@ -128,6 +131,7 @@ class Search {
   SearchSettings settings_;
   SearchSettings move_;  // the same for this move: a fast search differs
   GameSettings game_;    // as the search knows it: without a step limit if that setting is off
+  int max_steps_;        // the limit that values of wins are measured by
   AgentId self_ = 0;
   std::array<ModelledAgent, kAgentCount> models_;
   Rng rng_;

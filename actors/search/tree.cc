@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "actors/search/portable_math.h"
 #include "common/base/check.h"
@@ -15,6 +16,12 @@ void RenewUrge(Node& node, std::size_t action) {
   const bool closed = (node.closed >> action & 1) != 0;
   node.urge[action] = closed ? -std::numeric_limits<float>::infinity()
                              : node.prior[action] / static_cast<float>(1 + node.visits[action]);
+}
+
+// Of the action that the mover would choose.
+float BestValue(const Node& node) {
+  const auto values = std::span(node.value).first<kActionCount>();
+  return node.side > 0 ? std::ranges::max(values) : std::ranges::min(values);
 }
 
 }  // namespace
@@ -158,15 +165,17 @@ void Tree::BackUp(NodeIndex node, float value) {
 }
 
 void Tree::Prove(NodeIndex node) {
+  float value = (*this)[node].evaluation;
   for (NodeIndex index = node; (*this)[index].parent != kNoNode; index = (*this)[index].parent) {
     const Node& child = (*this)[index];
     Node& parent = (*this)[child.parent];
     const auto a = static_cast<std::size_t>(child.parent_action);
-    parent.value[a] = child.proven;
+    parent.value[a] = value;
     if (child.proven != parent.side) {
       parent.closed = static_cast<ActionSet>(parent.closed | 1U << a);
       RenewUrge(parent, a);
       if (parent.closed != parent.legal) return;
+      value = BestValue(parent);
     }
     parent.proven = child.proven;
   }

@@ -102,9 +102,10 @@ class Tree {
   // Ends the simulation that was counted from the root to `node`: averages its value in with those
   // that ended before, whatever else is under way.
   void BackUp(NodeIndex node, float value);
-  // Takes in that `node` is proven: closes the edge to it where its parent's mover would rather do
-  // anything else; proves the parent where that mover would do nothing else, or has nothing else;
-  // and so on up to the root.
+  // Takes in that the end `node` is proven and worth its `evaluation`, which replaces the mean
+  // value of the edge to it. Closes the edge where its parent's mover would rather do anything
+  // else; proves the parent where that mover would do nothing else, or has nothing else; and so on
+  // up to the root.
   void Prove(NodeIndex node);
 
   [[nodiscard]] Node& operator[](NodeIndex node) { return nodes_[static_cast<std::size_t>(node)]; }

@@ -51,7 +51,7 @@ void ReadSearch(std::vector<TextField> options, const SearchSettings& base, Agen
   agent.kind = AgentSpec::Kind::kSearch;
   agent.model_file = TakeModel(options);
   agent.search = base;
-  ReadOptions(options, "agent search: ", SearchOptions(), agent.search);
+  ReadOptions(options, "search:", SearchOptions(), agent.search);
 }
 
 AgentSpec Parse(std::string_view text, const SearchSettings& base) {

@@ -2,6 +2,7 @@
 
 // Agents as text: what users write on command lines and in settings files.
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -10,6 +11,12 @@
 #include "common/policies/policy.h"
 
 namespace powderkeg {
+
+// What computes networks, and in what arithmetic; auto: what suits the machine.
+inline constexpr std::array<std::string_view, 4> kEvaluatorNames = {"auto", "uniform", "torch",
+                                                                    "onednn"};
+inline constexpr std::array<std::string_view, 5> kPrecisionNames = {"auto", "fp32", "bf16", "fp16",
+                                                                    "int8"};
 
 // An agent and, where its text says so, its model.
 struct AgentSpec {

@@ -80,11 +80,6 @@ std::string SelfPlayText(const SelfPlayConfig& config, const std::string& indent
   return text;
 }
 
-void FillAndCheck(SelfPlayConfig& config) {
-  FillPlayers(config);
-  (void)ResolvePlayers(config);
-}
-
 }  // namespace
 
 Names NamesOf(WeightsSwap) { return kSwapNames; }
@@ -117,7 +112,8 @@ RunConfig ParseConfig(std::string_view text, const std::string& place,
     const TextField field = FieldOf(change);
     ReadRun({&field, 1}, config);
   }
-  FillAndCheck(config.self_play);
+  FillPlayers(config.self_play);
+  (void)ResolvePlayers(config.self_play);
   return config;
 }
 
@@ -132,7 +128,7 @@ RunConfig LoadConfig(const std::string& path, std::span<const std::string> chang
 SelfPlayConfig ParseSelfPlay(std::string_view text) {
   SelfPlayConfig config;
   ReadSelfPlay(ParseFields(text, "self_play"), config);
-  FillAndCheck(config);
+  (void)ResolvePlayers(config);
   return config;
 }
 

@@ -22,7 +22,7 @@ namespace powderkeg {
 // The same from text; `place` names it in errors.
 [[nodiscard]] RunConfig ParseConfig(std::string_view text, const std::string& place,
                                     std::span<const std::string> changes);
-// Settings of games from ToText. Throws Error as ParseConfig does.
+// What ToText made of settings of games; nothing is filled in. Throws Error as ParseConfig does.
 [[nodiscard]] SelfPlayConfig ParseSelfPlay(std::string_view text);
 
 // Every setting by name: ParseConfig gives an equal config.

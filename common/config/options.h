@@ -6,13 +6,14 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <type_traits>
 #include <vector>
 
@@ -28,9 +29,9 @@ using Names = std::span<const std::string_view>;
 struct Allowed {
   double low = std::numeric_limits<double>::lowest();
   double high = std::numeric_limits<double>::max();
-  bool above = false;              // `low` itself is not allowed
-  Names names{};                   // of a text; none: any text
-  std::string_view no_value = {};  // of an optional: the word for none
+  bool above = false;           // `low` itself is not allowed
+  Names names{};                // of a text; none: any text
+  std::string_view no_value{};  // of an optional: the word for none
 
   [[nodiscard]] constexpr Allowed Or(std::string_view word) const {
     Allowed allowed = *this;
@@ -47,49 +48,79 @@ inline constexpr Allowed kAnything;
 }
 [[nodiscard]] constexpr Allowed OneOf(Names names) { return {.names = names}; }
 
-// --- Values as text: one set of three functions per type -----------------------------------------
-// ReadValue returns whether the text is allowed and changes the value only then. WriteValue gives
+// --- Values as text: three functions per type ----------------------------------------------------
+// ReadValue returns whether the text is allowed, and changes the value only then. WriteValue gives
 // what ReadValue reads, exactly. Expected says in words what is allowed.
 
-[[nodiscard]] bool ReadValue(std::string_view text, const Allowed& allowed, int& value);
-[[nodiscard]] bool ReadValue(std::string_view text, const Allowed& allowed, double& value);
-[[nodiscard]] bool ReadValue(std::string_view text, const Allowed& allowed, std::uint64_t& value);
-[[nodiscard]] bool ReadValue(std::string_view text, const Allowed& allowed, bool& value);
 [[nodiscard]] bool ReadValue(std::string_view text, const Allowed& allowed, std::string& value);
-// Words, separated by spaces or commas.
-[[nodiscard]] bool ReadValue(std::string_view text, const Allowed& allowed,
-                             std::vector<std::string>& value);
-[[nodiscard]] std::string WriteValue(double value, const Allowed& allowed);
-[[nodiscard]] std::string WriteValue(std::uint64_t value, const Allowed& allowed);
-[[nodiscard]] std::string WriteValue(int value, const Allowed& allowed);
-[[nodiscard]] std::string WriteValue(bool value, const Allowed& allowed);
 [[nodiscard]] std::string WriteValue(const std::string& value, const Allowed& allowed);
-[[nodiscard]] std::string WriteValue(const std::vector<std::string>& value, const Allowed& allowed);
-[[nodiscard]] std::string Expected(const Allowed& allowed, const int*);
-[[nodiscard]] std::string Expected(const Allowed& allowed, const double*);
-[[nodiscard]] std::string Expected(const Allowed& allowed, const std::uint64_t*);
-[[nodiscard]] std::string Expected(const Allowed& allowed, const bool*);
-[[nodiscard]] std::string Expected(const Allowed& allowed, const std::string*);
-[[nodiscard]] std::string Expected(const Allowed& allowed, const std::vector<std::string>*);
+[[nodiscard]] std::string Expected(const Allowed& allowed, const std::string* type);
+// Words, separated by spaces or commas.
+using Words = std::vector<std::string>;
+[[nodiscard]] bool ReadValue(std::string_view text, const Allowed& allowed, Words& value);
+[[nodiscard]] std::string WriteValue(const Words& value, const Allowed& allowed);
+[[nodiscard]] std::string Expected(const Allowed& allowed, const Words* type);
 
-// An enumeration, by a function NamesOf(Enum) with the names of its values in their order.
-template <typename Enum>
-requires std::is_enum_v<Enum>
-[[nodiscard]] bool ReadValue(std::string_view text, const Allowed& /*allowed*/, Enum& value) {
-  const Names names = NamesOf(value);
+// int, std::uint64_t or double.
+template <typename Type>
+concept NumberType = std::is_arithmetic_v<Type> && !std::is_same_v<Type, bool>;
+
+template <NumberType Type>
+[[nodiscard]] bool ReadValue(std::string_view text, const Allowed& allowed, Type& value) {
+  Type number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return false;
+  const auto real = static_cast<double>(number);
+  const bool inside = real >= allowed.low && real <= allowed.high;
+  if (!inside || (allowed.above && real == allowed.low)) return false;
+  value = number;
+  return true;
+}
+template <NumberType Type>
+[[nodiscard]] std::string WriteValue(Type value, const Allowed& /*allowed*/) {
+  std::array<char, 32> text;
+  if constexpr (std::is_floating_point_v<Type>) {
+    return {text.data(), std::to_chars(text.begin(), text.end(), value,  //
+                                       std::chars_format::general)
+                             .ptr};
+  } else {
+    return {text.data(), std::to_chars(text.begin(), text.end(), value).ptr};
+  }
+}
+template <NumberType Type>
+[[nodiscard]] std::string Expected(const Allowed& allowed, const Type* /*type*/) {
+  using Limits = std::numeric_limits<Type>;
+  const auto bound = [&](double value) {
+    if (value <= static_cast<double>(Limits::lowest()))
+      return WriteValue(Limits::lowest(), allowed);
+    if (value >= static_cast<double>(Limits::max())) return WriteValue(Limits::max(), allowed);
+    return WriteValue(static_cast<Type>(value), allowed);
+  };
+  return StrCat(Limits::is_integer ? "a whole number " : "a number ",
+                allowed.above ? "above " : "from ", bound(allowed.low), " to ",
+                bound(allowed.high));
+}
+
+// A type whose values have names, in their order: bool, or an enumeration with a function
+// NamesOf(Enum) beside it.
+[[nodiscard]] Names NamesOf(bool);
+template <typename Type>
+concept NamedType = std::is_enum_v<Type> || std::is_same_v<Type, bool>;
+
+template <NamedType Type>
+[[nodiscard]] bool ReadValue(std::string_view text, const Allowed& /*allowed*/, Type& value) {
+  const Names names = NamesOf(Type{});
   const auto found = std::ranges::find(names, text);
-  if (found != names.end()) value = static_cast<Enum>(found - names.begin());
+  if (found != names.end()) value = static_cast<Type>(found - names.begin());
   return found != names.end();
 }
-template <typename Enum>
-requires std::is_enum_v<Enum>
-[[nodiscard]] std::string WriteValue(Enum value, const Allowed& /*allowed*/) {
+template <NamedType Type>
+[[nodiscard]] std::string WriteValue(Type value, const Allowed& /*allowed*/) {
   return std::string(NamesOf(value)[static_cast<std::size_t>(value)]);
 }
-template <typename Enum>
-requires std::is_enum_v<Enum>
-[[nodiscard]] std::string Expected(const Allowed& /*allowed*/, const Enum*) {
-  return "one of " + Joined(NamesOf(Enum{}), ", ");
+template <NamedType Type>
+[[nodiscard]] std::string Expected(const Allowed& /*allowed*/, const Type* /*type*/) {
+  return "one of " + Joined(NamesOf(Type{}), ", ");
 }
 
 // A value, or the word Allowed::no_value.
@@ -111,7 +142,7 @@ template <typename Value>
   return value ? WriteValue(*value, allowed) : std::string(allowed.no_value);
 }
 template <typename Value>
-[[nodiscard]] std::string Expected(const Allowed& allowed, const std::optional<Value>*) {
+[[nodiscard]] std::string Expected(const Allowed& allowed, const std::optional<Value>* /*type*/) {
   return StrCat(allowed.no_value, " or ", Expected(allowed, static_cast<const Value*>(nullptr)));
 }
 
@@ -137,7 +168,8 @@ template <typename Value, std::size_t size>
   return text;
 }
 template <typename Value, std::size_t size>
-[[nodiscard]] std::string Expected(const Allowed& allowed, const std::array<Value, size>*) {
+[[nodiscard]] std::string Expected(const Allowed& allowed,
+                                   const std::array<Value, size>* /*type*/) {
   return StrCat(Expected(allowed, static_cast<const Value*>(nullptr)), ", or ", size,
                 " separated by '/'");
 }
@@ -183,11 +215,9 @@ template <auto member>
       [](const Allowed& allowed_values) {
         return Expected(allowed_values, static_cast<const Value*>(nullptr));
       },
-      std::is_same_v<Value, std::vector<std::string>>};
+      std::is_same_v<Value, Words>};
 }
 
-[[noreturn]] void RefuseName(const TextField& field, std::string_view path,
-                             const std::vector<std::string_view>& known);
 // Throws Error unless the fields are all named in `options` or are `sections`, and are what they
 // are named: a value or a section.
 void CheckNames(std::span<const TextField> fields, std::string_view path,

@@ -169,7 +169,7 @@ void FillPlayers(SelfPlayConfig& config) {
   if (config.players.empty()) config.players.push_back({.name = "me", .teaches = Teaches::kSearch});
   if (config.lineups.empty()) {
     const auto others = static_cast<std::size_t>(SeatCount(GameOf(config).mode) - 1);
-    std::vector<std::string> names = std::move(config.opponents);
+    Words names = std::move(config.opponents);
     if (names.empty()) names = {"simple_unbiased"};
     if (names.size() == 1) names.resize(others, names.front());
     if (names.size() < others) {

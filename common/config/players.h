@@ -40,9 +40,9 @@ struct PlayerSpec {
 // Four seats (two in one-against-one), rotated by the ticket, as written: self_play.lineup { ... }.
 // In team modes seats 0 and 2 are mates.
 struct LineupSpec {
-  double share = 1;                  // of the tickets, relative to the other line-ups'
-  bool exam = false;                 // teaches nothing: the yardstick
-  std::vector<std::string> seats{};  // names of players or of rule-based policies
+  double share = 1;   // of the tickets, relative to the other line-ups'
+  bool exam = false;  // teaches nothing: the yardstick
+  Words seats{};      // names of players or of rule-based policies
 
   friend bool operator==(const LineupSpec&, const LineupSpec&) = default;
 };

@@ -23,10 +23,6 @@ enum class WeightsSwap : std::uint8_t { kAtGameStart, kAtOnce };
 [[nodiscard]] Names NamesOf(BoardGenerator);
 [[nodiscard]] Names NamesOf(StartCorners);
 
-inline constexpr std::array<std::string_view, 4> kEvaluatorNames = {"auto", "uniform", "torch",
-                                                                    "onednn"};
-inline constexpr std::array<std::string_view, 5> kPrecisionNames = {"auto", "fp32", "bf16", "fp16",
-                                                                    "int8"};
 inline constexpr std::array<std::string_view, 2> kNetworkNames = {"small", "paper"};
 inline constexpr std::array<std::string_view, 3> kDeviceNames = {"auto", "cpu", "cuda"};
 

@@ -1,6 +1,7 @@
 #include "common/pommerman/belief.h"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 
 #include "common/pommerman/step.h"
@@ -353,21 +354,27 @@ void Belief::Observe(const Observation& observation) {
   SeeFlames(sight, state_);
   BombMatch(sight, self_, before, state_).Run();
   HideAgents(sight, state_);
-  if (IsTeamMode(settings_.mode)) {
-    state_.messages[TeamMateOf(settings_.mode, self_)] = observation.message;
-  }
   Collapse(settings_, state_);
   state_.agents[self_].alive = observation.alive[self_];
   visible_ = sight.visible;
   ever_seen_ |= visible_;
+  if (settings_.mode == Mode::kTeamRadio) Listen(observation);
 }
 
-void Belief::HearMate(Cell cell) {
-  if (!IsTeamMode(settings_.mode)) return;
+void Belief::Listen(const Observation& observation) {
   AgentState& mate = state_.agents[TeamMateOf(settings_.mode, self_)];
-  if (!mate.alive || visible_.Has(mate.cell)) return;
-  const BitBoard places = HidingPlaces(state_, visible_) | BitBoard::Of(mate.cell);
-  mate.cell = static_cast<std::uint8_t>(Nearest(places, cell));
+  mate_.Hear(observation.step, observation.message);
+  if (!mate.alive) return;
+  if (visible_.Has(mate.cell)) {
+    mate_.See(observation.step, mate.cell);
+  } else if (const std::optional<Cell> cell = mate_.cell()) {
+    const BitBoard places = HidingPlaces(state_, visible_) | BitBoard::Of(mate.cell);
+    mate.cell = static_cast<std::uint8_t>(Nearest(places, *cell));
+  }
+}
+
+Message Belief::Report(Action action) const {
+  return EncodeReport(state_.step, state_.agents[self_].cell, action);
 }
 
 }  // namespace powderkeg

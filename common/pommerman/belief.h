@@ -7,6 +7,7 @@
 
 #include "common/pommerman/game_settings.h"
 #include "common/pommerman/observation.h"
+#include "common/pommerman/radio_code.h"
 #include "common/pommerman/state.h"
 
 namespace powderkeg {
@@ -26,17 +27,18 @@ namespace powderkeg {
 // where it was seen last (on its start corner if never), is believed alive as long as the
 // observation says so, and moves to the nearest free cell out of sight when it cannot be there
 // any more. A bomb that comes into view is taken for that of the nearest other agent.
+//
+// Radio: a living mate out of sight is believed where it says it is (radio_code.h) or, where it
+// cannot be there, on the nearest cell out of sight that is free and without an item: off by a few
+// cells, but better than where it was seen last. Words are not part of the position.
 class Belief {
  public:
   explicit Belief(const GameSettings& settings) : settings_(settings) {}
 
   void Observe(const Observation& observation);
 
-  // Where the mate says it is, after Observe: off by a few cells, but better than where it was seen
-  // last. A living mate out of sight is then believed there or, where it cannot be there, on the
-  // nearest cell out of sight that is free and without an item. What is seen counts for more: a
-  // mate in view stays. No effect in games without teams.
-  void HearMate(Cell cell);
+  // What an agent that plays `action` on this tells its mate (radio_code.h).
+  [[nodiscard]] Message Report(Action action) const;
 
   // The position that the next action is played on, so after a collapse; `self` is alive in it as
   // long as it was observed alive. Requires one Observe.
@@ -48,8 +50,11 @@ class Belief {
   [[nodiscard]] BitBoard ever_seen() const { return ever_seen_; }
 
  private:
+  void Listen(const Observation& observation);
+
   GameSettings settings_;
   State state_;
+  MateTracker mate_;  // radio
   AgentId self_ = 0;
   BitBoard visible_;
   BitBoard ever_seen_;

@@ -4,6 +4,7 @@
 #include <initializer_list>
 
 #include "common/base/check.h"
+#include "common/pommerman/radio_code.h"
 #include "common/record/rule_based_seat.h"
 
 namespace powderkeg {
@@ -86,6 +87,7 @@ class Replay {
   [[nodiscard]] Refusal CheckAction(AgentId agent, const State& observed);
   // The agent's decision of this step, if it is there.
   [[nodiscard]] Refusal TakeDecision(AgentId agent);
+  [[nodiscard]] std::array<Message, kAgentCount> WordsFor(const JointAction& actions) const;
   [[nodiscard]] Refusal CheckDecisionsTaken() const;
   [[nodiscard]] Refusal CheckEnd() const;
 
@@ -130,9 +132,19 @@ Refusal Replay::PlayStep() {
   }
   const JointAction& actions = record_.actions[state_.step];
   if (observer_) observer_(observed, actions);
-  Step(settings_, actions, state_);
+  Step(settings_, actions, WordsFor(actions), state_);
   outcome_ = OutcomeOf(settings_, state_);
   return std::nullopt;
+}
+
+// What the searching seats said in a radio game; the others are silent.
+std::array<Message, kAgentCount> Replay::WordsFor(const JointAction& actions) const {
+  std::array<Message, kAgentCount> words{};
+  for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+    if (settings_.mode != Mode::kTeamRadio || !record_.setup.seats[agent].searches) continue;
+    words[agent] = EncodeReport(state_.step, state_.agents[agent].cell, actions[agent]);
+  }
+  return words;
 }
 
 Refusal Replay::CheckAction(AgentId agent, const State& observed) {

@@ -93,7 +93,8 @@ struct GameRecord {
 [[nodiscard]] int OutcomeFor(const GameRecord& record, AgentId agent);
 
 // Looks on while a record is played again: called once per step, with the position that was decided
-// on (before a collapse) and what everybody did there.
+// on (before a collapse; in radio games with the words that led to it, which follow from the record)
+// and what everybody did there.
 using StepObserver = std::function<void(const State& state, const JointAction& actions)>;
 
 // Regenerates the start, re-runs the rule-based seats, steps the recorded actions and checks every

@@ -8,6 +8,7 @@
 //   KEYS/actors/NAME.public    the learner lets in whom it has this file of
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -37,8 +38,10 @@ void WriteKeyPair(const CurveKeyPair& pair, const std::filesystem::path& file);
 [[nodiscard]] ClientKeys ReadClientKeys(const std::filesystem::path& folder,
                                         const std::string& name);
 
-// Whether one of the files KEYS/actors/*.public holds this key. Looks anew each time: actors can be
-// added and removed while the learner runs. Files that hold no key are passed over.
-[[nodiscard]] bool IsAllowed(const std::filesystem::path& folder, std::string_view public_key);
+// NAME of the file KEYS/actors/NAME.public that holds this key; nullopt: there is none. Looks anew
+// each time: actors can be added and removed while the learner runs. What is no file or holds no
+// key is passed over.
+[[nodiscard]] std::optional<std::string> ActorOfKey(const std::filesystem::path& folder,
+                                                    std::string_view public_key);
 
 }  // namespace powderkeg

@@ -35,8 +35,9 @@ using Connect = std::function<std::unique_ptr<ClientChannel>()>;
 using PeerId = std::string;
 
 struct Incoming {
-  PeerId peer;
-  std::string bytes;
+  PeerId peer{};
+  std::string bytes{};
+  std::string key_owner{};  // whose key the peer has; empty: there are no keys
 };
 
 // The learner's end of all connections. One thread; `Waker` is for the others. Closing it drops

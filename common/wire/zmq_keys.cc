@@ -73,13 +73,16 @@ ClientKeys ReadClientKeys(const std::filesystem::path& folder, const std::string
                   .secret_key = ReadKey(folder / "actors" / (name + ".secret"))}};
 }
 
-bool IsAllowed(const std::filesystem::path& folder, std::string_view public_key) {
+std::optional<std::string> ActorOfKey(const std::filesystem::path& folder,
+                                      std::string_view public_key) {
   std::error_code error;
-  const std::filesystem::directory_iterator files(folder / "actors", error);
-  if (error) return false;
-  return std::any_of(begin(files), end(files), [&](const auto& file) {
-    return file.path().extension() == ".public" && KeyIn(file.path()) == public_key;
-  });
+  for (const auto& file : std::filesystem::directory_iterator(folder / "actors", error)) {
+    if (file.path().extension() == ".public" && file.is_regular_file(error) &&
+        KeyIn(file.path()) == public_key) {
+      return file.path().stem().string();
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace powderkeg

@@ -18,6 +18,7 @@
 
 #include "common/base/check.h"
 #include "common/base/log.h"
+#include "common/base/log_budget.h"
 #include "common/wire/messages.h"
 
 namespace powderkeg {
@@ -30,9 +31,11 @@ constexpr int kLingerMs = 1000;
 // for one that does not read.
 constexpr int kHighWaterMark = 256;
 constexpr int kHandshakeMs = 10'000;
-// Heartbeats of ZeroMQ itself: frees what a vanished peer's connection holds.
-constexpr int kHeartbeatMs = 5000;
-constexpr int kHeartbeatTimeoutMs = 20'000;
+// A peer that vanished, or does not read, is given up by TCP after so long: that frees what its
+// connection holds. Heartbeats of ZeroMQ itself must stay off: where they meet a connection that is
+// stopped because its peer sends too much, libzmq 4.3 aborts (its issue 4364).
+constexpr int kKeepAliveS = 15;  // and twice again
+constexpr int kUnreadMs = 60'000;
 constexpr int kReconnectMs = 200;
 constexpr int kConnectMs = 3'000;  // to one address
 constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";
@@ -44,10 +47,11 @@ void SetCommonOptions(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::rcvhwm, kHighWaterMark);
   socket.set(zmq::sockopt::maxmsgsize, kMaxMessageBytes);
   socket.set(zmq::sockopt::handshake_ivl, kHandshakeMs);
-  socket.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
-  socket.set(zmq::sockopt::heartbeat_timeout, kHeartbeatTimeoutMs);
   socket.set(zmq::sockopt::tcp_keepalive, 1);
-  socket.set(zmq::sockopt::tcp_keepalive_idle, 30);
+  socket.set(zmq::sockopt::tcp_keepalive_idle, kKeepAliveS);
+  socket.set(zmq::sockopt::tcp_keepalive_intvl, kKeepAliveS);
+  socket.set(zmq::sockopt::tcp_keepalive_cnt, 2);
+  socket.set(zmq::sockopt::tcp_maxrt, kUnreadMs);
   socket.set(zmq::sockopt::ipv6, 1);
 }
 
@@ -135,19 +139,23 @@ class KeyChecker {
     constexpr std::size_t kFrames = 7;
     constexpr std::size_t kKeyBytes = 32;
     constexpr std::size_t kKeyCharacters = 40;
-    bool allowed = false;
+    std::optional<std::string> actor;
     if (request.size() == kFrames && request[5].to_string_view() == "CURVE" &&
         request[6].size() == kKeyBytes) {
       std::array<char, kKeyCharacters + 1> key{};
       zmq_z85_encode(key.data(), request[6].data<std::uint8_t>(), kKeyBytes);
-      allowed = IsAllowed(keys_, key.data());
+      actor = ActorOfKey(keys_, key.data());
     }
-    if (!allowed && request.size() > 3) {
+    if (!actor && request.size() > 3 && log_budget_.Spend()) {
       log::Warn("refused a key that is not in the folder", "address", request[3].to_string_view());
     }
     const std::string id = request.size() > 1 ? request[1].to_string() : "";
-    const std::array<std::string, 6> reply = {
-        "1.0", id, allowed ? "200" : "400", allowed ? "OK" : "key not allowed", "", ""};
+    const std::array<std::string, 6> reply = {"1.0",
+                                              id,
+                                              actor ? "200" : "400",
+                                              actor ? "OK" : "key not allowed",
+                                              actor.value_or(""),  // the user id
+                                              ""};
     for (std::size_t i = 0; i < reply.size(); ++i) {
       const auto more = i + 1 < reply.size() ? zmq::send_flags::sndmore : zmq::send_flags::none;
       socket_.send(zmq::buffer(reply[i]), more);
@@ -156,7 +164,8 @@ class KeyChecker {
 
   zmq::context_t& context_;
   std::filesystem::path keys_;
-  zmq::socket_t socket_;  // used by the thread alone once it runs
+  zmq::socket_t socket_;    // used by the thread alone once it runs
+  log::Budget log_budget_;  // the thread's
   std::jthread thread_;
 };
 
@@ -185,8 +194,10 @@ class ZmqServer final : public ServerChannel {
     auto frames = ReceiveFrames(socket_);
     if (!frames || frames->empty()) return std::nullopt;
     // A message of more or fewer frames than our own has no bytes that could be read.
-    Incoming incoming{.peer = frames->front().to_string(), .bytes = {}};
+    Incoming incoming{.peer = frames->front().to_string()};
     if (frames->size() == 2) incoming.bytes = frames->back().to_string();
+    const char* user = zmq_msg_gets(frames->back().handle(), "User-Id");
+    if (user != nullptr) incoming.key_owner = user;
     return incoming;
   }
 
@@ -228,7 +239,7 @@ std::vector<std::string> AddressesOf(const std::string& endpoint) {
   std::vector<std::string> addresses;
   for (const addrinfo* entry = found; entry != nullptr; entry = entry->ai_next) {
     std::array<char, NI_MAXHOST> text{};
-    if (getnameinfo(entry->ai_addr, entry->ai_addrlen, text.data(), text.size(), nullptr, 0,
+    if (getnameinfo(entry->ai_addr, entry->ai_addrlen, text.data(), NI_MAXHOST, nullptr, 0,
                     NI_NUMERICHOST) != 0) {
       continue;
     }

@@ -163,7 +163,7 @@ void SessionServer::Handle(Incoming& incoming) {
   if (session != nullptr) {
     HandleFrom(*session, message);
   } else if (const auto* hello = std::get_if<Hello>(&message)) {
-    OpenSession(incoming.peer, *hello);
+    OpenSession(incoming, *hello);
   } else if (!std::holds_alternative<Goodbye>(message)) {
     Refuse(incoming.peer, {.reason = "there is no session: say Hello", .retry = true});
   }
@@ -188,7 +188,8 @@ void SessionServer::HandleFrom(Session& session, WireMessage& message) {
   }
 }
 
-std::optional<Refused> SessionServer::Objection(const Hello& hello) const {
+std::optional<Refused> SessionServer::Objection(const Hello& hello,
+                                                const std::string& key_owner) const {
   if (hello.protocol_version != kProtocolVersion) {
     return Refused{.reason = StrCat("its protocol version is ", hello.protocol_version,
                                     "; expected ", kProtocolVersion)};
@@ -197,12 +198,17 @@ std::optional<Refused> SessionServer::Objection(const Hello& hello) const {
     return Refused{
         .reason = StrCat("its run is \"", hello.run_id, "\"; expected \"", settings_.run_id, "\"")};
   }
+  if (!key_owner.empty() && hello.name != key_owner) {
+    return Refused{.reason = StrCat("its key is that of actor \"", key_owner, "\"; its name is \"",
+                                    hello.name, "\"")};
+  }
   if (stopping_) return Refused{.reason = "the learner ends", .retry = true};
   return std::nullopt;
 }
 
-void SessionServer::OpenSession(const PeerId& peer, const Hello& hello) {
-  if (const auto objection = Objection(hello)) {
+void SessionServer::OpenSession(const Incoming& incoming, const Hello& hello) {
+  const PeerId& peer = incoming.peer;
+  if (const auto objection = Objection(hello, incoming.key_owner)) {
     Refuse(peer, *objection);
     return;
   }
@@ -275,6 +281,10 @@ void SessionServer::HandleVerdicts() {
 void SessionServer::SendAck(SessionId id, Ack ack) {
   if (peers_.Find(id) == nullptr) return;  // it did not take a message and was ended
   if (!stopping_) ack.tickets = tickets_.TopUp(id);
+  if (settings_.draw_past) {
+    ack.past_versions.resize(ack.tickets.size());
+    std::ranges::generate(ack.past_versions, settings_.draw_past);
+  }
   const auto part = [](const auto& all, std::size_t first) {
     const std::size_t begin = std::min(first, all.size());
     const std::size_t end = std::min(first + kAckEntries, all.size());
@@ -286,7 +296,8 @@ void SessionServer::SendAck(SessionId id, Ack ack) {
   for (std::size_t first = 0; first < entries; first += kAckEntries) {
     Send(id, Ack{.durable = part(ack.durable, first),
                  .rejected = part(ack.rejected, first),
-                 .tickets = part(ack.tickets, first)});
+                 .tickets = part(ack.tickets, first),
+                 .past_versions = part(ack.past_versions, first)});
   }
 }
 

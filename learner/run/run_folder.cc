@@ -11,11 +11,13 @@
 #include <cstring>
 #include <fstream>
 #include <string_view>
+#include <utility>
 
 #include "common/base/check.h"
 #include "common/base/digest.h"
 #include "common/base/durable_file.h"
 #include "common/base/format.h"
+#include "common/base/log.h"
 #include "common/base/name.h"
 #include "common/base/unique.h"
 #include "common/config/config.h"
@@ -54,12 +56,19 @@ RunLock::RunLock(const std::filesystem::path& folder) {
   if (file_ < 0) throw Error(StrCat("cannot create ", path, ": ", std::strerror(errno)));
   if (flock(file_, LOCK_EX | LOCK_NB) == 0) return;
   const int reason = errno;
-  close(file_);
+  close(std::exchange(file_, -1));
   if (reason == EWOULDBLOCK) throw Error(StrCat(folder.string(), " is in use by another learner"));
-  throw Error(StrCat("cannot lock ", path, ": ", std::strerror(reason)));
+  if (reason != ENOLCK && reason != ENOTSUP && reason != ENOSYS && reason != EINVAL) {
+    throw Error(StrCat("cannot lock ", path, ": ", std::strerror(reason)));
+  }
+  log::Warn("this file system has no locks: a second learner is noticed by learner.claim", "reason",
+            std::strerror(reason));
+  claim_.emplace(folder / "learner.claim");
 }
 
-RunLock::~RunLock() { close(file_); }
+RunLock::~RunLock() {
+  if (file_ >= 0) close(file_);
+}
 
 std::string RunNameOf(const std::filesystem::path& folder) {
   const std::filesystem::path path = (folder / ".").parent_path();

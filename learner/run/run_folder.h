@@ -4,17 +4,20 @@
 // on.
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "common/config/run_config.h"
+#include "learner/run/run_claim.h"
 
 namespace powderkeg {
 
 // Only one learner at a time may own a run. Held until the lock is destroyed or the process ends.
 class RunLock {
  public:
-  // Throws Error if the folder is in use or cannot be written.
+  // Throws Error if the folder is in use or cannot be written. Where the file system has no locks
+  // it says so in the log and makes do with a RunClaim.
   explicit RunLock(const std::filesystem::path& folder);
   ~RunLock();
   RunLock(const RunLock&) = delete;
@@ -22,6 +25,7 @@ class RunLock {
 
  private:
   int file_;
+  std::optional<RunClaim> claim_;
 };
 
 // The folder's name; of ".", that of the working directory. Throws Error if it is none

@@ -43,6 +43,7 @@ PlayedGame GameWith(int number, int outcome, int steps) {
   PlayedGame game;
   game.number = number;
   game.outcomes[0] = static_cast<std::int8_t>(outcome);
+  game.died[0] = outcome <= 0;
   game.steps = steps;
   game.statistics[0] = SomeStatistics();
   return game;
@@ -66,6 +67,8 @@ Match MatchOf(const std::vector<int>& outcomes) {
 TEST(Summary, HoldsTheFiguresOfAMatch) {
   const MatchSummary summary = Summarize(MatchSettings(), MatchOf({1, 1, 0, -1}));
   EXPECT_EQ(summary.score, (MatchScore{.wins = 2, .ties = 1, .losses = 1}));
+  EXPECT_EQ(summary.deaths, 2u);
+  EXPECT_EQ(summary.agents, 4u);
   EXPECT_DOUBLE_EQ(summary.elo.elo, EloFromPoints(2.25 / 4, 4));
   EXPECT_DOUBLE_EQ(summary.steps.mean(), 101.5);
   EXPECT_DOUBLE_EQ(summary.moves_per_game, 10);
@@ -90,11 +93,14 @@ TEST(Summary, MeansOverBothSeatsOfAnAgentThatIsItsOwnMate) {
   for (PlayedGame& game : match.games) {
     game.statistics[2] = SomeStatistics();
     game.statistics[2].bombs = 5;
+    game.died[2] = true;
   }
   const MatchSettings team{.game = GameSettingsFor("PommeTeamCompetition-v0").value()};
   const MatchSummary summary = Summarize(team, match);
   EXPECT_DOUBLE_EQ(summary.moves_per_game, 10);
   EXPECT_DOUBLE_EQ(summary.bombs_per_game, 4);
+  EXPECT_EQ(summary.deaths, 3u);
+  EXPECT_EQ(summary.agents, 4u);
   EXPECT_NEAR(summary.elo.elo, 0, 1e-9);
 }
 
@@ -151,7 +157,7 @@ TEST(Report, ShowsFiguresToPeople) {
   EXPECT_THAT(text, HasSubstr("against the first, board by board: win +0.000 [+0.000, +0.000]"));
   EXPECT_THAT(text, HasSubstr("Elo +0 [+0, +0]"));
   EXPECT_THAT(text, HasSubstr("question win_rate=0.1..0.9: 0.9 after 2 games"));
-  EXPECT_THAT(text, HasSubstr("\n 0.500 [0.150, 0.850]   0.250   0.250   +235"));
+  EXPECT_THAT(text, HasSubstr("\n 0.500 [0.150, 0.850]   0.250   0.250   0.500   +235"));
   EXPECT_THAT(ReportText(std::vector{SomeContenders()[0]}), Not(HasSubstr("kicks  kills")));
 }
 
@@ -217,7 +223,7 @@ TEST(TableCsv, PutsAgentsThatDifferInSimulationsAloneIntoASeries) {
 }
 
 TEST(GamesCsv, HasALineForEachGame) {
-  EXPECT_THAT(GamesCsv(SomeContenders()), HasSubstr("\n\"idle\",3,0,0,-1,103,10,800,3,2,1,1\n"));
+  EXPECT_THAT(GamesCsv(SomeContenders()), HasSubstr("\n\"idle\",3,0,0,-1,1,103,10,800,3,2,1,1\n"));
 }
 
 TEST(MatchProgress, PrintsPlainLinesAtMostEveryTenSecondsAndTheLastOne) {

@@ -48,7 +48,7 @@ std::vector<Sample> PlayGames() {
       actions[0] = result.best;
       const State before = state;
       Advance({}, actions, state);
-      models.ObserveStep(before, state);
+      models.ObserveStep({before}, {state});
     }
   }
   return samples;

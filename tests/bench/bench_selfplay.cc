@@ -27,7 +27,7 @@ constexpr double kMeasuredSeconds = 3;
 
 Welcome WelcomeTo250Simulations() {
   Welcome welcome;
-  welcome.self_play.search = {{"simulations", "250"}};
+  welcome.self_play.search.simulations = 250;
   return welcome;
 }
 

@@ -38,7 +38,7 @@ class AgentServiceTest : public ::testing::Test {
   std::string Body(AgentId agent, int step, const GameSettings& settings = {}) const {
     State state = GenerateStart(settings, {}, Rng(3));
     state.step = static_cast<std::uint16_t>(step);
-    state.messages[2] = EncodeReport(step - 1, state.agents[2].cell, Action::kStop);
+    state.messages[2] = {3, static_cast<std::uint8_t>(step % 8)};
     return ActionBody(settings, Observe(settings, state, agent));
   }
 
@@ -378,50 +378,22 @@ TEST(AgentServiceOnImpossibleBoards, ASearchAnswersOrTheBoardIsRefused) {
 
 // --- Radio --------------------------------------------------------------------------------------
 
-TEST_F(AgentServiceTest, TalksToItsMateAndListens) {
+TEST_F(AgentServiceTest, PassesWordsOnInBothDirections) {
   const GameSettings radio = GameSettingsFor("PommeRadioCompetition-v2").value();
   const auto service = Serve(0);
   (void)service->InitAgent(InitBody(0, Mode::kTeamRadio));
   for (int step = 1; step < 3; ++step) {
-    const auto reply = nlohmann::json::parse(service->Act(Body(0, step, radio)).body);
-    const std::vector<int> action = reply["action"];
-    ASSERT_EQ(action.size(), 3U);
-    EXPECT_EQ(action[0], 5);
-    const Message words = {static_cast<std::uint8_t>(action[1]),
-                           static_cast<std::uint8_t>(action[2])};
-    const auto report = DecodeReport(step, words);
-    ASSERT_TRUE(report.has_value());
-    EXPECT_EQ(report->coordinate, 1);  // agent 0 starts on (1, 1)
-    EXPECT_EQ(report->plan, RadioReport::Plan::kBomb);
+    EXPECT_EQ(service->Act(Body(0, step, radio)).body, R"({"action":[5,6,7]})");
   }
-  EXPECT_EQ(service->mate(), CellAt(9, 9));
-  EXPECT_THAT(diary_.mates, ElementsAre(CellAt(9, 9))) << "once both coordinates were heard";
+  EXPECT_THAT(diary_.heard, ElementsAre(Message{3, 1}, Message{3, 2}));
 }
 
-TEST_F(AgentServiceTest, AMateInViewElsewhereIsNotBelieved) {
-  const GameSettings radio = GameSettingsFor("PommeRadioCompetition-v2").value();
-  const auto service = Serve(0);
-  (void)service->InitAgent(InitBody(0, Mode::kTeamRadio));
-  State state = GenerateStart(radio, {}, Rng(3));
-  state.agents[2].cell = CellAt(2, 2);
-  state.wood.Remove(CellAt(2, 2));
-  for (std::uint16_t step = 1; step < 6; ++step) {
-    state.step = step;
-    state.messages[2] = EncodeReport(step - 1, CellAt(9, 9), Action::kStop);
-    EXPECT_EQ(service->Act(ActionBody(radio, Observe(radio, state, 0))).status, 200);
-  }
-  EXPECT_EQ(service->mate(), std::nullopt);
-  EXPECT_TRUE(diary_.mates.empty());
-}
-
-TEST_F(AgentServiceTest, WithoutRadioNobodyListens) {
+TEST_F(AgentServiceTest, WithoutRadioNobodyTalks) {
   const GameSettings team = GameSettingsFor("PommeTeamCompetition-v0").value();
   const auto service = Serve(0);
   (void)service->InitAgent(InitBody(0, Mode::kTeam));
-  for (int step = 1; step < 4; ++step) {
-    EXPECT_EQ(service->Act(Body(0, step, team)).status, 200);
-  }
-  EXPECT_TRUE(diary_.mates.empty());
+  EXPECT_EQ(service->Act(Body(0, 1, team)).body, R"({"action":5})");
+  EXPECT_THAT(diary_.heard, ElementsAre(Message{}));
 }
 
 }  // namespace

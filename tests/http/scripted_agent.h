@@ -16,7 +16,7 @@ namespace powderkeg {
 struct AgentDiary {
   std::vector<AgentId> games;  // the agent's id in every game started
   std::vector<int> steps;      // of all observations
-  std::vector<Cell> mates;     // where it was told that the mate is
+  std::vector<Message> heard;  // the mate's words in all observations
   int rounds = 0;              // answered questions
   GameSettings settings;       // of the last game
 };
@@ -32,10 +32,10 @@ class ScriptedAgent final : public Agent {
     diary_.games.push_back(self);
     diary_.settings = settings;
   }
-  void HearMate(Cell cell) override { diary_.mates.push_back(cell); }
   void Begin(const Observation& observation) override {
     EXPECT_FALSE(asks_) << "Begin between Gather and Scatter";
     diary_.steps.push_back(observation.step);
+    diary_.heard.push_back(observation.message);
     made_ = 0;
     decided_ = false;
   }
@@ -56,6 +56,9 @@ class ScriptedAgent final : public Agent {
   [[nodiscard]] Action action() const override {
     EXPECT_TRUE(decided_ || (made_ > 0 && !asks_)) << "action() before there is one";
     return actions_[std::min(static_cast<std::size_t>(made_), actions_.size() - 1)];
+  }
+  [[nodiscard]] Message words() const override {
+    return {static_cast<std::uint8_t>(1 + static_cast<int>(action())), 7};
   }
 
  private:

@@ -75,6 +75,7 @@ TEST_F(ThinkerTest, AnswersWhenTheMoveIsDecided) {
   const auto thinker = MakeThinker(/*rounds=*/3);
   const Thought thought = Think(*thinker, At(0));
   EXPECT_EQ(thought.action, Action::kLeft);
+  EXPECT_EQ(thought.words, (Message{4, 7}));
   EXPECT_TRUE(thought.finished);
   EXPECT_TRUE(thought.began.has_value());
   EXPECT_EQ(thought.evaluations, 3U);
@@ -89,16 +90,6 @@ TEST_F(ThinkerTest, AMoveMayNeedNoRound) {
   EXPECT_EQ(thought.action, Action::kStop);
   EXPECT_TRUE(thought.finished);
   EXPECT_EQ(thought.evaluations, 0U);
-}
-
-TEST_F(ThinkerTest, TellsTheAgentWhereItsMateIs) {
-  const auto thinker = MakeThinker(/*rounds=*/0);
-  Briefing briefing = At(0);
-  (void)Think(*thinker, briefing);
-  EXPECT_TRUE(diary_.mates.empty());
-  briefing.mate = CellAt(4, 5);
-  (void)Think(*thinker, briefing);
-  EXPECT_THAT(diary_.mates, ElementsAre(CellAt(4, 5)));
 }
 
 TEST_F(ThinkerTest, BeginsNoRoundThatWouldEndLate) {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/check.h"
 #include "tests/http/raw_socket.h"
 #include "tests/learner/record_support.h"
 #include "tests/learner/view_support.h"
@@ -121,6 +122,15 @@ TEST_F(DashboardTest, SilentClientsHoldItForAWhileOnly) {
   ASSERT_TRUE(page);
   EXPECT_EQ(page->status, 200);
   for (const int socket : silent) EXPECT_EQ(ReadToEnd(socket), "");
+}
+
+TEST(DashboardServer, IsWhatTheOptionSays) {
+  EXPECT_FALSE(DashboardServer("off"));
+  EXPECT_EQ(DashboardServer("auto")->address.port, 8265);
+  EXPECT_TRUE(DashboardServer("auto")->any_port_if_taken);
+  EXPECT_EQ(DashboardServer("127.0.0.1:99")->address.port, 99);
+  EXPECT_FALSE(DashboardServer("127.0.0.1:99")->any_port_if_taken);
+  EXPECT_THROW((void)DashboardServer("8265"), Error);
 }
 
 // --- The page -----------------------------------------------------------------------------------

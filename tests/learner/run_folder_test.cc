@@ -2,7 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <chrono>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -10,8 +15,23 @@
 #include "common/base/check.h"
 #include "tests/learner/record_support.h"
 
+namespace {
+
+int lock_error = 0;  // what flock answers
+
+}  // namespace
+
+// Stands before the system's function for this whole program.
+extern "C" int flock(int file, int operation) noexcept {
+  if (lock_error == 0) return static_cast<int>(syscall(SYS_flock, file, operation));
+  errno = lock_error;
+  return -1;
+}
+
 namespace powderkeg {
 namespace {
+
+using std::chrono::milliseconds;
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -35,6 +55,40 @@ TEST(RunLock, AFolderHasOneOwnerAtATime) {
               folder.path().string() + " is in use by another learner");
   }
   EXPECT_EQ(MessageOf([&] { RunLock{folder.path()}; }), "no error");
+}
+
+TEST(RunLock, AFileSystemWithoutLocksIsSaidAndUsed) {
+  const TemporaryFolder folder;
+  for (const int error : {ENOLCK, ENOTSUP, ENOSYS}) {
+    lock_error = error;
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(MessageOf([&] { RunLock{folder.path()}; }), "no error");
+    EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("has no locks"));
+  }
+  lock_error = EIO;
+  EXPECT_THAT(MessageOf([&] { RunLock{folder.path()}; }), HasSubstr("cannot lock"));
+  lock_error = 0;
+}
+
+TEST(RunClaim, ASecondLearnerIsNoticed) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "learner.claim";
+  {
+    const RunClaim first(file, milliseconds(20));
+    EXPECT_THAT(MessageOf([&] { RunClaim(file, milliseconds(100)); }),
+                HasSubstr(folder.path().string() + " is in use by another learner: "));
+  }
+  EXPECT_FALSE(fs::exists(file));
+  EXPECT_EQ(MessageOf([&] { RunClaim(file, milliseconds(100)); }), "no error");
+}
+
+TEST(RunClaim, WhatNobodyRenewsIsTakenOver) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "learner.claim";
+  for (const char* claim : {"elsewhere 1 2 3", "nonsense", ""}) {
+    std::ofstream(file) << claim << '\n';
+    EXPECT_EQ(MessageOf([&] { RunClaim(file, milliseconds(10)); }), "no error") << claim;
+  }
 }
 
 TEST(RunLock, SaysWhichFileItCannotMake) {

@@ -5,6 +5,7 @@
 #include "common/pommerman/step.h"
 #include "tests/play/support.h"
 #include "tests/pommerman/board_reader.h"
+#include "tests/search/settings_from_text.h"
 
 namespace powderkeg {
 namespace {
@@ -66,6 +67,23 @@ void Decide(Agent& agent, Evaluator& evaluator) {
   }
 }
 
+TEST(Agents, ThatThinkSayWhereTheyAreAndRuleBasedOnesAreSilent) {
+  const GameSettings radio = GameSettingsFor("PommeRadioCompetition-v2").value();
+  State state = CornerState();
+  state.step = 4;
+  UniformEvaluator evaluator;
+  SearchAgent search(ParseSearchSettings("simulations=8"));
+  RawNetworkAgent raw;
+  RuleBasedAgent rule(PolicyKind::kSimpleUnbiased);
+  for (Agent* agent : std::initializer_list<Agent*>{&search, &raw, &rule}) {
+    agent->StartGame(radio, /*self=*/0, Rng(1));
+    agent->Begin(Observe(radio, state, 0));
+    Decide(*agent, evaluator);
+    const Message silence{};
+    EXPECT_EQ(agent->words(), agent == &rule ? silence : EncodeReport(4, 0, agent->action()));
+  }
+}
+
 TEST(SearchAgent, TellsItsDecisionAndStatistics) {
   SearchAgent agent(ParseSearchSettings("simulations=32,opponents=idle"));
   agent.StartGame(GameSettings(), /*self=*/0, Rng(1));
@@ -83,6 +101,15 @@ TEST(SearchAgent, TellsItsDecisionAndStatistics) {
   EXPECT_GT(agent.move_statistics().mean_depth, 0);
   EXPECT_EQ(agent.move_statistics().predicted_agents, 0b0110);
   EXPECT_EQ(agent.move_statistics().prediction[1], Action::kStop);
+}
+
+TEST(SearchAgent, AnEnemyThatBranchesInTheTreeIsNotPredicted) {
+  SearchAgent agent(ParseSearchSettings("simulations=32,opponents=idle,tree=two_player"));
+  agent.StartGame(GameSettings(), /*self=*/0, Rng(1));
+  agent.Begin(Seen(CornerState()));
+  UniformEvaluator evaluator;
+  Decide(agent, evaluator);
+  EXPECT_EQ(agent.move_statistics().predicted_agents, 0b0100) << "agent 1 is the closest";
 }
 
 TEST(SearchAgent, RecordsTheImprovedPolicyOfAGumbelRoot) {

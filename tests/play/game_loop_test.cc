@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/play/support.h"
+#include "tests/search/settings_from_text.h"
 
 namespace powderkeg {
 namespace {

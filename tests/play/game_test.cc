@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <tuple>
 
 #include "actors/play/plain_agents.h"
 #include "common/pommerman/step.h"
 #include "tests/play/support.h"
+#include "tests/search/settings_from_text.h"
 
 namespace powderkeg {
 namespace {
@@ -98,6 +100,56 @@ INSTANTIATE_TEST_SUITE_P(Environments, GameOfEveryMode,
                          testing::Values("PommeFFACompetition-v0", "PommeFFA-v1",
                                          "PommeTeamCompetition-v0", "PommeTeamCompetition-v1",
                                          "PommeRadioCompetition-v2"));
+
+TEST(Game, PassesTheMatesLastWordsOnInRadioGames) {
+  const GameSettings radio = GameSettingsFor("PommeRadioCompetition-v2").value();
+  for (const GameSettings& settings : {radio, GameSettingsFor("PommeTeam-v0").value()}) {
+    GamePlan plan = PlanOfSeats({kSearching, kSimpleUnbiasedSeat, kSearching, kSimpleUnbiasedSeat},
+                                /*seed=*/3, settings);
+    AskingAgent first(/*questions=*/1);
+    AskingAgent second(/*questions=*/2);
+    plan.agents[0] = {&first, {std::make_shared<UniformEvaluator>(), 0}};
+    plan.agents[2] = {&second, {std::make_shared<UniformEvaluator>(), 0}};
+    const GameRecord record = PlayGame(plan);
+    ASSERT_GT(first.heard.size(), 3u);
+    EXPECT_EQ(first.heard[0], Message{});
+    const std::size_t both = std::min(first.heard.size(), second.heard.size());
+    for (std::size_t step = 1; step < both; ++step) {
+      const auto action = static_cast<std::uint8_t>(record.actions[step - 1][2]);
+      EXPECT_EQ(first.heard[step], settings == radio ? (Message{3, action}) : Message{});
+    }
+  }
+}
+
+TEST(Game, WordsFollowFromTheRecord) {
+  GamePlan plan = PlanOfSeats({kSearching, kSimpleUnbiasedSeat, kSearching, kSearching},
+                              /*seed=*/3, GameSettingsFor("PommeRadioCompetition-v2").value());
+  std::vector<std::unique_ptr<Agent>> agents;
+  for (const AgentId seat : {0, 2, 3}) {
+    agents.push_back(std::make_unique<SearchAgent>(ParseSearchSettings("simulations=4")));
+    plan.agents[seat] = {agents.back().get(), {std::make_shared<UniformEvaluator>(), 0}};
+  }
+  Game game;
+  EvaluationBatches batches;
+  std::map<int, State> positions;
+  game.Start(plan);
+  while (game.Gather(batches)) {
+    positions.try_emplace(game.state().step, game.state());
+    batches.Evaluate(plan.setup.settings);
+    game.Scatter(batches);
+    batches.Clear();
+  }
+  int spoken = 0;
+  const auto refusal = Verify(game.record(), [&](const State& state, const JointAction&) {
+    const auto played = positions.find(state.step);
+    if (played == positions.end()) return;
+    EXPECT_EQ(played->second, state) << state.step;
+    spoken += state.messages[2] != Message{} ? 1 : 0;
+    EXPECT_EQ(state.messages[1], Message{}) << "rule-based agents are silent";
+  });
+  EXPECT_EQ(refusal, std::nullopt);
+  EXPECT_GT(spoken, 3);
+}
 
 // Whom the collapse kills had decided already: the record has it stand still, without a decision.
 TEST(Game, CollapsesAfterEverybodyDecided) {

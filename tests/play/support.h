@@ -25,6 +25,7 @@ class AskingAgent final : public Agent {
   }
   void Begin(const Observation& observation) override {
     CHECK(!asking_ && observation.self == self_ && observation.alive[self_]);
+    heard.push_back(observation.message);
     state_.agents[self_].cell = observation.position;
     left_ = questions_;
     value_sum_ = 0;
@@ -44,12 +45,17 @@ class AskingAgent final : public Agent {
     value_sum_ += batch.evaluation(slot_).value;
   }
   [[nodiscard]] Action action() const override { return action_; }
+  [[nodiscard]] Message words() const override {
+    return {static_cast<std::uint8_t>(1 + self_), static_cast<std::uint8_t>(action_)};
+  }
   [[nodiscard]] std::optional<Decision> decision() const override {
     Decision decision;
     decision.visits[static_cast<std::size_t>(action_)] = 1;
     decision.value = questions_ == 0 ? 0 : value_sum_ / static_cast<float>(questions_);
     return decision;
   }
+
+  std::vector<Message> heard;  // the mate's words in all observations
 
  private:
   int questions_;

@@ -342,46 +342,58 @@ TEST(BeliefTest, AMissedObservationLosesNothingInView) {
   EXPECT_EQ(belief.state().agents[1].ammo, 0);
 }
 
-TEST(BeliefTest, TheTeamMatesWordsArrive) {
-  const GameSettings radio = GameSettingsFor("PommeRadio-v2").value();
-  const Belief belief = BeliefAfter(radio, {Position({"0.2"}, "agent 2 words 3 7")});
-  EXPECT_EQ(belief.state().messages[2], (Message{3, 7}));
-}
-
 const GameSettings kRadio = GameSettingsFor("PommeRadioCompetition-v2").value();
 
+// What agent 0 believes of a position that lasts, while its mate says that it is on `said`.
+Belief BeliefTold(State truth, Cell said, const GameSettings& settings = kRadio) {
+  Belief belief(settings);
+  for (std::uint16_t step = 0; step < 3; ++step) {
+    truth.step = step;
+    Observation seen = Observe(settings, truth, 0);
+    if (step > 0) seen.message = EncodeReport(step - 1, said, kStop);
+    belief.Observe(seen);
+  }
+  return belief;
+}
+
 TEST(BeliefTest, AMateOutOfSightIsWhereItSaysItIs) {
-  Belief belief =
-      BeliefAfter(kRadio, {Position({"0", "", "", "", "", "", "", "", "", ".........2"})});
-  belief.HearMate(CellAt(3, 8));
+  const State truth = Position({"0", "", "", "", "", "", "", "", "", ".........2"});
+  const Belief belief = BeliefTold(truth, CellAt(3, 8));
   EXPECT_EQ(belief.state().agents[2].cell, CellAt(3, 8));
-  belief.HearMate(CellAt(3, 8));
-  EXPECT_EQ(belief.state().agents[2].cell, CellAt(3, 8)) << "its own cell is not taken";
+  EXPECT_EQ(belief.state().messages, State().messages) << "words are no part of the position";
 }
 
 TEST(BeliefTest, AMateIsBelievedOnTheNearestCellWhereItCanBe) {
   // Agent 0 sees rows and columns 0 to 4.
-  Belief belief = BeliefAfter(kRadio, {Position({"0.........3", "", "..........2"})});
-  belief.HearMate(CellAt(3, 2));  // in view, where it is not
-  EXPECT_EQ(belief.state().agents[2].cell, CellAt(5, 2));
-  belief.HearMate(CellAt(0, 5));
-  EXPECT_EQ(belief.state().agents[2].cell, CellAt(0, 5));
-  const Cell other = belief.state().agents[3].cell;
-  belief.HearMate(other);
-  EXPECT_EQ(ManhattanDistance(belief.state().agents[2].cell, other), 1);
+  const State truth = Position({"0.........3", "", "..........2"});
+  const auto believed = [&](Cell said) {
+    return Cell{BeliefTold(truth, said).state().agents[2].cell};
+  };
+  EXPECT_EQ(believed(CellAt(3, 2)), CellAt(5, 2)) << "in view, where it is not";
+  EXPECT_EQ(believed(CellAt(0, 5)), CellAt(0, 5));
+  const Cell other = BeliefTold(truth, CellAt(0, 5)).state().agents[3].cell;
+  EXPECT_EQ(ManhattanDistance(believed(other), other), 1);
 }
 
 TEST(BeliefTest, WordsDoNotMoveAMateInViewADeadOneOrAnEnemy) {
-  Belief seeing = BeliefAfter(kRadio, {Position({"0.2"})});
-  seeing.HearMate(CellAt(9, 9));
-  EXPECT_EQ(seeing.state().agents[2].cell, CellAt(0, 2));
-  Belief mourning = BeliefAfter(kRadio, {Position({"0.........1"})});
-  const State before = mourning.state();
-  mourning.HearMate(CellAt(9, 9));
-  EXPECT_EQ(mourning.state(), before);
-  Belief alone = BeliefAfter(kFullView, {Position({"0.........2"})});
-  alone.HearMate(CellAt(9, 9));
-  EXPECT_EQ(alone.state().agents[2].cell, CellAt(0, 10));
+  EXPECT_EQ(BeliefTold(Position({"0.2"}), CellAt(9, 9)).state().agents[2].cell, CellAt(0, 2));
+  const State mourning = Position({"0.........1"});
+  EXPECT_EQ(BeliefTold(mourning, CellAt(9, 9)).state(), BeliefTold(mourning, 0).state());
+  const State alone = Position({"0.........2"});
+  EXPECT_EQ(BeliefTold(alone, CellAt(9, 9), kFullView).state().agents[2].cell, CellAt(0, 10));
+}
+
+TEST(BeliefTest, AMateInViewElsewhereThanItSaysIsNotBelieved) {
+  Belief belief(kRadio);
+  State truth = Position({"0.2"});
+  for (std::uint16_t step = 0; step < 8; ++step) {
+    truth.step = step;
+    if (step == 4) truth.agents[2].cell = CellAt(0, 5);  // just out of sight
+    Observation seen = Observe(kRadio, truth, 0);
+    if (step > 0) seen.message = EncodeReport(step - 1, CellAt(9, 9), kStop);
+    belief.Observe(seen);
+  }
+  EXPECT_LT(ManhattanDistance(belief.state().agents[2].cell, CellAt(0, 2)), 5);
 }
 
 TEST(BeliefTest, WhateverTheMateSaysTheInvariantsHold) {
@@ -390,14 +402,21 @@ TEST(BeliefTest, WhateverTheMateSaysTheInvariantsHold) {
     Belief belief(kRadio);
     PlayGame(kRadio, seed, [&](const State& truth, const State&) {
       if (!truth.agents[2].alive) return;
-      const Observation seen = Observe(kRadio, truth, 2);
+      Observation seen = Observe(kRadio, truth, 2);
+      const auto word = [&] { return static_cast<std::uint8_t>(rng.Below(8)); };
+      seen.message = {word(), word()};
       belief.Observe(seen);
-      belief.HearMate(static_cast<Cell>(rng.Below(kCellCount)));
+      seen.message = {};
       ASSERT_EQ(Observe(kRadio, belief.state(), 2), seen);
       ExpectInvariants(belief.state());
       ASSERT_FALSE(::testing::Test::HasNonfatalFailure()) << ToText(belief.state());
     });
   }
+}
+
+TEST(BeliefTest, ReportsWhereItsAgentIs) {
+  const Belief belief = BeliefAfter(kRadio, {Position({"0"}), Position({".0"})});
+  EXPECT_EQ(belief.Report(kDown), EncodeReport(1, CellAt(0, 1), kDown));
 }
 
 TEST(BeliefTest, KnowsTheBoardAfterACollapse) {

@@ -6,6 +6,7 @@
 #include <new>
 
 #include "tests/search/search_support.h"
+#include "tests/search/settings_from_text.h"
 
 namespace {
 std::size_t allocations = 0;

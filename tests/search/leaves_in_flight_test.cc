@@ -11,6 +11,7 @@
 #include "tests/search/hash_evaluator.h"
 #include "tests/search/known_answers.h"
 #include "tests/search/search_support.h"
+#include "tests/search/settings_from_text.h"
 
 namespace powderkeg {
 namespace {

@@ -114,7 +114,7 @@ class Match {
   SearchResult Think(Search& search, const State& state) {
     const State before = belief_.state();
     belief_.Observe(Observe(setup_.settings, state, self_));
-    if (state.step > 0) models_.ObserveStep(before, belief_.state());
+    if (state.step > 0) models_.ObserveStep({before}, {belief_.state()});
     search.Start(belief_.state(), models_, SearchRng(setup_, self_).Split(1U + state.step));
     return Finish(search, evaluator_, setup_.settings);
   }

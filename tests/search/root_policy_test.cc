@@ -15,6 +15,17 @@ TEST(RootPolicy, PlaysTheMostVisitedAction) {
   EXPECT_EQ(ChooseMove({}, kRoot, Rng(1)), Action::kUp);
 }
 
+TEST(RootPolicy, WithoutExplorationNothingIsLeftToChance) {
+  SearchSettings settings;
+  settings.simulations = 64;
+  settings.noise_weight = settings.gumbel_scale = settings.temperature = 0.5;
+  settings.exploratory_start = settings.forced_playouts = settings.full_search_share = 0.5;
+  SearchSettings expected;
+  expected.simulations = 64;
+  expected.noise_weight = expected.gumbel_scale = 0;
+  EXPECT_EQ(WithoutExploration(settings), expected);
+}
+
 TEST(RootPolicy, EqualVisitsGoToTheMoreValuableAction) {
   RootStatistics root = kRoot;
   root.visits[3] = 60;

@@ -9,6 +9,7 @@
 #include "common/pommerman/observation.h"
 #include "tests/search/hash_evaluator.h"
 #include "tests/search/search_support.h"
+#include "tests/search/settings_from_text.h"
 
 namespace powderkeg {
 namespace {
@@ -59,7 +60,7 @@ void PlayGame(const SearchSettings& settings, const GameSettings& game, std::uin
       actions[id] = result.best;
     }
     outcome = Advance(game, actions, state);
-    for (OpponentModels& observed : models) observed.ObserveStep(known, state);
+    for (OpponentModels& observed : models) observed.ObserveStep({known}, {state});
   }
 }
 

@@ -17,6 +17,7 @@
 #include "tests/pommerman/board_reader.h"
 #include "tests/search/known_answers.h"
 #include "tests/search/search_support.h"
+#include "tests/search/settings_from_text.h"
 
 namespace powderkeg {
 namespace {
@@ -89,8 +90,8 @@ const std::vector<std::string>& OptionValues() {
 TEST(SearchOptions, EachIsTested) {
   std::string all;
   for (const std::string& value : OptionValues()) all += "," + value;
-  for (const SearchOption& option : ListOptions({})) {
-    EXPECT_THAT(all, testing::HasSubstr("," + option.name + "=")) << option.name;
+  for (const auto& option : SearchOptions()) {
+    EXPECT_THAT(all, testing::HasSubstr(StrCat(",", option.name, "="))) << option.name;
   }
 }
 

@@ -86,7 +86,7 @@ inline std::uint64_t SearchSignature() {
         actions[0] = result.best;
         const State before = state;
         Advance(GameSettings{}, actions, state);
-        models.ObserveStep(before, state);
+        models.ObserveStep({before}, {state});
       }
     }
   }

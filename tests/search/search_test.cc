@@ -77,6 +77,11 @@ TEST(Search, AWinIsWorthLessTheLaterItComes) {
   settings.late_win_value = 0;
   EXPECT_NEAR(value_at(0), won, 0.02);
   EXPECT_NEAR(value_at(400), won / 2, 0.02);
+  settings.step_limit = false;
+  EXPECT_NEAR(value_at(400), won / 2, 0.02);
+  EXPECT_NEAR(value_at(900), 0, 0.02) << "never less than in the last step";
+  settings.terminal_solver = true;
+  EXPECT_NEAR(value_at(400), 0.5F, 0.02) << "proven";
 }
 
 // Agent 0 dies in this step whatever it does; its mate (2) and both enemies live on.

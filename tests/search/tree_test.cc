@@ -163,14 +163,18 @@ TEST(Tree, ChoosesAmongVisitedAndTheNextTwo) {
   }
 }
 
-// Adds a proven end below the root.
-void EndWith(Tree& tree, NodeIndex parent, Action action, std::int8_t proven) {
+// Adds a proven end, by default worth 1 or -1.
+void EndWith(Tree& tree, NodeIndex parent, Action action, std::int8_t proven, float value) {
   tree.Visit(parent, action);
   const NodeIndex child = tree.Add(parent, action);
   tree[child].side = 1;
   tree[child].proven = proven;
-  tree.BackUp(child, proven);
+  tree[child].evaluation = value;
+  tree.BackUp(child, value);
   tree.Prove(child);
+}
+void EndWith(Tree& tree, NodeIndex parent, Action action, std::int8_t proven) {
+  EndWith(tree, parent, action, proven, proven);
 }
 
 TEST(Tree, LostActionsAreClosed) {
@@ -222,6 +226,18 @@ TEST(Tree, AnEnemyEscapesWhereItCan) {
   EXPECT_EQ(tree[0].proven, 0);
   EndWith(tree, enemy, Action::kUp, 1);
   EXPECT_EQ(tree[0].proven, 1);
+}
+
+TEST(Tree, AProvenWinIsWorthWhatItsEndIs) {
+  Tree tree = TreeWithRoot({}, 0b000010);
+  Simulate(tree, 0, Action::kUp, 0);
+  const NodeIndex enemy = tree[0].child[1];
+  tree[enemy].side = -1;
+  tree.SetEdges(tree[enemy], 0b000011, kPolicy);
+  EndWith(tree, enemy, Action::kStop, 1, 0.75F);
+  EndWith(tree, enemy, Action::kUp, 1, 0.25F);
+  EXPECT_EQ(tree[0].proven, 1);
+  EXPECT_EQ(tree[0].value[1], 0.25F) << "the enemy puts it off";
 }
 
 TEST(Tree, UndoTakesVisitsBack) {

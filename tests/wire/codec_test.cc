@@ -129,7 +129,8 @@ TEST(SealTest, FindsAnotherTicket) {
 
 TEST(CodecTest, MessagesComeBackAsTheyWere) {
   SelfPlayConfig config = QuickConfig();
-  config.search = {{"preset", "paper"}, {"simulations", "64"}, {"c_puct_init", "1.25"}};
+  config.search = PaperSettings();
+  config.search.c_puct_init = 1.25;
   const Sha256Digest digest = SettingsDigest(config);
   ExpectSurvives(Hello{.run_id = "run",
                        .build = "0.1",
@@ -146,6 +147,8 @@ TEST(CodecTest, MessagesComeBackAsTheyWere) {
   ExpectSurvives(Games{.games = {SealedTicket(QuickConfig(), 0), SealedTicket(QuickConfig(), 1)}});
   ExpectSurvives(
       Ack{.durable = {1, 2}, .rejected = {{.ticket = 3, .reason = "bad"}}, .tickets = {4}});
+  ExpectSurvives(Ack{.tickets = {4, 5}, .past_versions = {0, 7}});
+  ExpectRefused(Ack{.tickets = {4, 5}, .past_versions = {7}});
   ExpectSurvives(WeightsOffer{.version = 1, .size_bytes = 5, .sha256 = digest});
   const WeightsOffer offer{.version = 1, .size_bytes = 7, .sha256 = digest};
   ExpectSurvives(WeightsRequest{.version = 1, .offset_bytes = 5, .receipt = 9});

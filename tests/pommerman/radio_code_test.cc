@@ -1,4 +1,4 @@
-#include "actors/http/radio_code.h"
+#include "common/pommerman/radio_code.h"
 
 #include <gtest/gtest.h>
 
@@ -107,19 +107,15 @@ TEST(MateTrackerTest, ABeliefThatListensIsCloserToTheTruth) {
     State state = GenerateStart(settings, setup.start, BoardRng(setup));
     Belief deaf(settings);
     Belief listening(settings);
-    MateTracker tracker;
     while (state.agents[0].alive && state.agents[2].alive && !OutcomeOf(settings, state).done) {
-      const Observation observation = Observe(settings, state, 0);
-      deaf.Observe(observation);
+      Observation observation = Observe(settings, state, 0);
       listening.Observe(observation);
-      tracker.Hear(observation.step, observation.message);
+      observation.message = {};
+      deaf.Observe(observation);
       const Cell mate = state.agents[2].cell;
-      const bool seen = listening.visible().Has(mate);
-      if (seen) tracker.See(observation.step, mate);
-      if (tracker.cell()) listening.HearMate(*tracker.cell());
-      if (seen) {
+      if (listening.visible().Has(mate)) {
         ASSERT_EQ(listening.state().agents[2].cell, mate);
-      } else if (tracker.cell()) {
+      } else if (state.step >= 2) {
         ++unseen;
         deaf_distance += ManhattanDistance(deaf.state().agents[2].cell, mate);
         distance += ManhattanDistance(listening.state().agents[2].cell, mate);

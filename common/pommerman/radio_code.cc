@@ -1,4 +1,4 @@
-#include "actors/http/radio_code.h"
+#include "common/pommerman/radio_code.h"
 
 #include <algorithm>
 #include <cstdlib>

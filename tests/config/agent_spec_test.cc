@@ -1,0 +1,82 @@
+#include "common/config/agent_spec.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/base/check.h"
+
+namespace powderkeg {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::string ErrorOf(const std::string& text) {
+  try {
+    (void)ParseAgent(text);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(ParseAgent, ReadsRuleBasedPolicies) {
+  EXPECT_EQ(ParseAgent("simple_unbiased").policy, PolicyKind::kSimpleUnbiased);
+  EXPECT_EQ(ParseAgent("idle").policy, PolicyKind::kIdle);
+  EXPECT_EQ(ParseAgent("idle").kind, AgentSpec::Kind::kRuleBased);
+}
+
+TEST(ParseAgent, ReadsSearches) {
+  const AgentSpec agent = ParseAgent("search:simulations=77,model=a/b.weights,opponents=idle");
+  EXPECT_EQ(agent.kind, AgentSpec::Kind::kSearch);
+  EXPECT_EQ(agent.search.simulations, 77);
+  EXPECT_EQ(agent.search.opponents[0], OpponentModel::kIdle);
+  EXPECT_EQ(agent.model_file, "a/b.weights");
+  EXPECT_EQ(ParseAgent("search").search, SearchSettings());
+  EXPECT_EQ(ParseAgent("search").model_file, "");
+}
+
+TEST(ParseAgent, ReadsRawNetworks) {
+  EXPECT_EQ(ParseAgent("raw:model=x").kind, AgentSpec::Kind::kRawNetwork);
+  EXPECT_EQ(ParseAgent("raw:model=x").model_file, "x");
+}
+
+TEST(ParseAgent, ListsTheKnownAgentsForAnUnknownOne) {
+  EXPECT_THAT(ErrorOf("simple"),
+              AllOf(HasSubstr("unknown agent simple"), HasSubstr("simple_unbiased")));
+  EXPECT_THAT(ErrorOf(""), HasSubstr("unknown agent \"\""));
+}
+
+TEST(ParseAgent, SaysWhatIsWrongWithOptions) {
+  EXPECT_THAT(ErrorOf("search:simulations"), HasSubstr("simulations: expected OPTION=VALUE"));
+  EXPECT_THAT(ErrorOf("search:=3"), HasSubstr("expected OPTION=VALUE"));
+  EXPECT_THAT(ErrorOf("search:simulation=3"),
+              HasSubstr("no setting search:simulation; did you mean search:simulations?"));
+  EXPECT_THAT(ErrorOf("search:simulations=many"),
+              HasSubstr("search:simulations is many; expected a whole number from 1 to"));
+  EXPECT_THAT(ErrorOf("search:simulations=3,simulations=4"), HasSubstr("twice"));
+  EXPECT_THAT(ErrorOf("raw"), HasSubstr("expected raw:model=FILE"));
+  EXPECT_THAT(ErrorOf("raw:model=x,simulations=3"), HasSubstr("unknown option simulations"));
+  EXPECT_THAT(ErrorOf("idle:simulations=3"), HasSubstr("idle"));
+}
+
+TEST(ParsePlayersAgent, ChangesTheRunsSearch) {
+  SearchSettings base;
+  base.memory = ModelMemory::kReset;
+  const AgentSpec agent = ParsePlayersAgent("search:simulations=16", base);
+  EXPECT_EQ(agent.search.simulations, 16);
+  EXPECT_EQ(agent.search.memory, ModelMemory::kReset);
+  EXPECT_EQ(ParsePlayersAgent("raw", base).kind, AgentSpec::Kind::kRawNetwork);
+  EXPECT_EQ(ParsePlayersAgent("search:preset=paper", base).search, PaperSettings());
+  EXPECT_THROW((void)ParsePlayersAgent("search:model=x", base), Error);
+}
+
+TEST(AgentOptionsHelp, ShowsEveryOption) {
+  for (const auto& option : SearchOptions()) {
+    EXPECT_THAT(AgentOptionsHelp(), AllOf(HasSubstr("  " + std::string(option.name)),
+                                          HasSubstr(std::string(option.help))));
+  }
+}
+
+}  // namespace
+}  // namespace powderkeg

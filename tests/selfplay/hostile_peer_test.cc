@@ -1,0 +1,220 @@
+// Peers that mean ill, over real sockets.
+
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <numeric>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "common/wire/codec.h"
+#include "common/wire/keys.h"
+#include "common/wire/zmq_transport.h"
+#include "tests/selfplay/session_support.h"
+
+namespace powderkeg {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+// With as many tickets as a message may hold.
+std::string LargeHello(const std::string& name) {
+  std::vector<std::uint64_t> tickets(kMaxTickets);
+  std::iota(tickets.begin(), tickets.end(), std::uint64_t{0});
+  return Encode(Hello{.name = name, .loops = kMaxLoops, .tickets = std::move(tickets)});
+}
+
+// Speaks just enough ZMTP 3.0 (ZeroMQ RFC 23) to be let in, and never reads.
+class DeafPeer {
+ public:
+  explicit DeafPeer(const std::string& endpoint) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const int port = std::stoi(endpoint.substr(endpoint.rfind(':') + 1));
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    const timeval patience{.tv_sec = 0, .tv_usec = 200'000};
+    setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+    CHECK(connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
+    std::string greeting = std::string("\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL", 16);
+    greeting.resize(64);
+    const std::string ready = std::string("\4\x1c\5READY\xbSocket-Type\0\0\0\6DEALER", 30);
+    CHECK(Send(greeting) && Send(ready));
+  }
+  // Resets the connection.
+  ~DeafPeer() {
+    const linger at_once{.l_onoff = 1, .l_linger = 0};
+    setsockopt(socket_, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+    close(socket_);
+  }
+  DeafPeer(const DeafPeer&) = delete;
+  DeafPeer& operator=(const DeafPeer&) = delete;
+
+  // False: the other side has stopped reading.
+  bool Say(const std::string& bytes) {
+    std::string frame("\2");  // one long frame
+    for (int shift = 56; shift >= 0; shift -= 8) {
+      frame.push_back(static_cast<char>(bytes.size() >> shift));
+    }
+    return Send(frame + bytes);
+  }
+
+ private:
+  bool Send(std::string_view bytes) {
+    while (!bytes.empty()) {
+      const ssize_t sent = send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+      if (sent <= 0) return false;
+      bytes.remove_prefix(static_cast<std::size_t>(sent));
+    }
+    return true;
+  }
+
+  const int socket_;
+};
+
+// Keeps every core busy at the lowest priority.
+class BusyMachine {
+ public:
+  BusyMachine() {
+    for (int i = 0; i < 3; ++i) {
+      threads_.emplace_back([](const std::stop_token& stop) {
+        setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 19);
+        while (!stop.stop_requested()) {
+        }
+      });
+    }
+  }
+
+ private:
+  std::vector<std::jthread> threads_;
+};
+
+class HostilePeerTest : public testing::Test {
+ protected:
+  // Sends and is acknowledged, without a break in its session.
+  void ExpectServed(TestActor& actor) {
+    ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+    actor.PlayOne();
+    EXPECT_TRUE(Eventually([&] { return actor.outbox.size() == 0; }));
+    EXPECT_EQ(learner_.server->statistics().sessions_lost, 0u);
+    EXPECT_FALSE(actor.client->ended());
+  }
+
+  // That the learner has counted in the actor's session so far.
+  [[nodiscard]] std::uint64_t GamesInSession(const std::string& name) const {
+    for (const ActorStatistics& actor : learner_.server->statistics().actors) {
+      if (actor.name == name) return actor.games;
+    }
+    return 0;
+  }
+
+  std::uint64_t played_ = 0;
+  TestLearner learner_{ListenZmq({.endpoint = "tcp://127.0.0.1:0"})};
+  const std::string endpoint_ = learner_.server->endpoint();
+};
+
+// It used to end in an assertion of libzmq, three to four seconds later.
+TEST_F(HostilePeerTest, ManyLargeHellosAndAResetEndNobodyElse) {
+  const BusyMachine busy;
+  TestActor actor([&] { return ConnectZmq(endpoint_, std::nullopt); });
+  {
+    DeafPeer peer(endpoint_);
+    const std::string hello = LargeHello("deaf");
+    for (int i = 0; i < 280 && peer.Say(hello); ++i) {
+    }
+  }
+  ExpectServed(actor);
+  std::this_thread::sleep_for(std::chrono::seconds(4));
+  ExpectServed(actor);
+}
+
+// The tick used to come only after 256 messages, at 20 ms each.
+TEST_F(HostilePeerTest, AFloodOfHellosCostsNobodyElseTheSession) {
+  TestActor actor([&] { return ConnectZmq(endpoint_, std::nullopt); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  std::vector<std::jthread> flood;
+  for (const std::string name : {"one", "two"}) {
+    flood.emplace_back([this, name](const std::stop_token& stop) {
+      const std::string hello = LargeHello(name);
+      const Waker waker;
+      const auto channel = ConnectZmq(endpoint_, std::nullopt);
+      while (!stop.stop_requested()) {
+        if (!channel->Send(hello)) waker.Wait(milliseconds(1));
+      }
+    });
+  }
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+  for (; std::chrono::steady_clock::now() < end; ++played_) ExpectServed(actor);
+  EXPECT_TRUE(Eventually([&] { return GamesInSession("actor") == played_; })) << "not one session";
+}
+
+// Open tickets are granted whatever is wanted: a claim used to open all below it.
+TEST_F(HostilePeerTest, AClaimGrantsNothing) {
+  SessionServerSettings settings = QuickSettings();
+  settings.games_wanted = [] { return 5; };
+  TestLearner learner(ListenZmq({.endpoint = "tcp://127.0.0.1:0"}), settings);
+  const std::string endpoint = learner.server->endpoint();
+  DeafPeer peer(endpoint);
+  ASSERT_TRUE(peer.Say(Encode(Hello{.name = "claims", .tickets = {1'048'575, 60'000}})));
+  ASSERT_TRUE(Eventually([&] { return learner.server->statistics().actors.size() == 1; }));
+  TestActor actor([&] { return ConnectZmq(endpoint, std::nullopt); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  std::this_thread::sleep_for(milliseconds(100));
+  EXPECT_EQ(actor.tickets.waiting(), 3u);
+  EXPECT_LT(learner.server->statistics().tickets_issued, 10u);
+}
+
+TEST_F(HostilePeerTest, LoopsThatPlayNothingStarveNobody) {
+  SessionServerSettings settings = QuickSettings();
+  settings.games_wanted = [] { return 12; };
+  TestLearner learner(ListenZmq({.endpoint = "tcp://127.0.0.1:0"}), settings);
+  const std::string endpoint = learner.server->endpoint();
+  DeafPeer peer(endpoint);
+  ASSERT_TRUE(peer.Say(Encode(Hello{.name = "idle", .loops = kMaxLoops})));
+  ASSERT_TRUE(Eventually([&] { return learner.server->statistics().actors.size() == 1; }));
+  EXPECT_LE(learner.server->statistics().tickets_issued,
+            TicketTarget(1, QuickConfig().games_in_flight));
+  TestActor actor([&] { return ConnectZmq(endpoint, std::nullopt); });
+  EXPECT_TRUE(Eventually([&] { return actor.tickets.waiting() == 6; }));
+}
+
+TEST_F(HostilePeerTest, AKeyIsGoodForItsOwnNameAlone) {
+  const TemporarySpool folder;
+  WriteKeyPair(MakeKeyPair(), folder.path() / "learner");
+  for (const std::string name : {"honest", "thief"}) {
+    WriteKeyPair(MakeKeyPair(), folder.path() / "actors" / name);
+  }
+  TestLearner learner(ListenZmq({.endpoint = "tcp://127.0.0.1:0", .keys = folder.path()}));
+  const auto connect_as = [&](const std::string& name) {
+    return [&learner, keys = ReadClientKeys(folder.path(), name)] {
+      return ConnectZmq(learner.server->endpoint(), keys);
+    };
+  };
+  TestActor honest(connect_as("honest"), "honest");
+  ASSERT_TRUE(Eventually([&] { return honest.tickets.waiting() > 0; }));
+  TestActor thief(connect_as("thief"), "honest");
+  ASSERT_TRUE(Eventually([&] { return thief.client->ended(); }));
+  try {
+    thief.client->Leave(milliseconds(0));
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("its key is that of actor \"thief\""));
+  }
+  honest.PlayOne();
+  EXPECT_TRUE(Eventually([&] { return honest.outbox.size() == 0; }));
+  EXPECT_FALSE(honest.client->ended());
+}
+
+}  // namespace
+}  // namespace powderkeg
