@@ -14,7 +14,7 @@ namespace powderkeg {
 namespace {
 
 // In quotes, with what JSON and CSV both need escaped in a file name or specification.
-std::string Quoted(std::string_view text) {
+std::string Escaped(std::string_view text) {
   std::string quoted = "\"";
   for (const char character : text) {
     if (character == '"' || character == '\\') quoted += '\\';
@@ -99,17 +99,15 @@ std::string ContenderText(const Contender& contender) {
 
 std::string TableText(std::span<const Contender> contenders) {
   std::string text =
-      "   win   [95 %]            tie    loss    died    Elo   steps  depth  ms/move   stop  bombs "
-      " kicks"
-      "  kills  cells  agent\n";
+      "   win   [95 %]            tie    loss    died    Elo   steps  depth  ms/move   stop  bombs"
+      "  kicks  kills  cells  agent\n";
   for (const Contender& contender : contenders) {
     const MatchSummary& summary = contender.summary;
     const std::uint64_t games = summary.score.games();
     const Interval win = WilsonInterval(summary.score.wins, games);
     text += Format(
         "%6.3f [%5.3f, %5.3f]  %6.3f  %6.3f  %6.3f  %+5.0f  %6.1f  %5.2f  %7.2f  %5.3f  %5.2f  "
-        "%5.2f  "
-        "%5.2f  %5.2f  %s\n",
+        "%5.2f  %5.2f  %5.2f  %s\n",
         RateOf(summary.score.wins, games), win.low, win.high, RateOf(summary.score.ties, games),
         RateOf(summary.score.losses, games), RateOf(summary.deaths, summary.agents),
         summary.elo.elo, summary.steps.mean(), summary.mean_depth, summary.ms_per_move,
@@ -199,7 +197,7 @@ std::string QuestionJson(const TestState& test) {
           ? "open"
           : Number(test.answer == Answer::kHigh ? question.high : question.low, "");
   return Format(R"(, "question": %s, "answer": "%s", "log_likelihood_ratio": %.4f)",
-                Quoted(question.text).c_str(), answer.c_str(), test.log_likelihood_ratio);
+                Escaped(question.text).c_str(), answer.c_str(), test.log_likelihood_ratio);
 }
 
 std::string HeatMapJson(const MatchSummary& summary) {
@@ -214,7 +212,7 @@ std::string HeatMapJson(const MatchSummary& summary) {
 
 std::string ContenderJson(const Contender& contender) {
   std::string text =
-      "{\"agent\": " + Quoted(contender.agent) + ", \"opponents\": " + Quoted(contender.opponents);
+      "{\"agent\": " + Escaped(contender.agent) + ", \"opponents\": " + Escaped(contender.opponents);
   for (const Figure& figure : FiguresOf(contender)) {
     text += ", \"" + figure.name + "\": " + Number(figure.value, "null");
   }
@@ -270,7 +268,7 @@ std::string TableCsv(std::span<const Contender> contenders) {
     text += StrCat(i, ",", SeriesOf(contenders, contender));
     for (const Figure& figure : FiguresOf(contender)) text += "," + Number(figure.value, "");
     for (const std::uint64_t moves : contender.summary.heat_map) text += StrCat(",", moves);
-    text += "," + Quoted(contender.agent) + "," + Quoted(contender.opponents) + "\n";
+    text += "," + Escaped(contender.agent) + "," + Escaped(contender.opponents) + "\n";
   }
   return text;
 }
@@ -281,7 +279,7 @@ std::string GamesCsv(std::span<const Contender> contenders) {
   for (const Contender& contender : contenders) {
     for (const PlayedGame& game : contender.match.games) {
       const SeatStatistics& statistics = game.statistics[0];
-      text += Quoted(contender.agent) +
+      text += Escaped(contender.agent) +
               Format(",%d,%llu,%d,%d,%d,%d,%u,%llu,%u,%u,%u,%u\n", game.number,
                      static_cast<unsigned long long>(game.seed), game.seat, game.outcomes[0],
                      game.died[0] ? 1 : 0, game.steps, statistics.moves,

@@ -151,7 +151,7 @@ void Connection::Handle(const Ack& ack) {
     parts_.outbox.Remove(ticket);
     parts_.tickets.Settle(ticket);
   }
-  parts_.tickets.Grant(ack.tickets);
+  parts_.tickets.Grant(ack.tickets, ack.past_versions);
 }
 
 void Connection::Handle(const Goodbye& goodbye) {

@@ -19,6 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr milliseconds kPoll{100};    // for a stop; everything else is notified
 constexpr milliseconds kReport{200};  // between two reports of a loop's progress
+constexpr std::size_t kOtherEvaluators = 4;  // of past weights and of files, beside games in play
 
 bool IsUniform(const SelfPlayConfig& config) { return config.evaluator == "uniform"; }
 
@@ -98,9 +99,28 @@ void SelfPlay::Play(const std::stop_token& stop, const std::shared_ptr<const Wel
   progress_.StartAnew();
 }
 
+// The model of other weights than the newest; nullopt while they are on their way. Throws Error if
+// they will not come.
+std::optional<Model> SelfPlay::ModelOf(std::uint32_t version, const SelfPlayConfig& config,
+                                       WeightsShelf<std::shared_ptr<Evaluator>>& evaluators) {
+  if (IsUniform(config)) return ModelFor(config, nullptr, make_evaluator_);
+  if (const auto evaluator = evaluators.Find(version)) {
+    return Model{.evaluator = evaluator, .weights_version = version};
+  }
+  const WantedWeights wanted = client_.Want(version);
+  if (!wanted.fault.empty()) throw Error(wanted.fault);
+  if (!wanted.snapshot) return std::nullopt;
+  const Model model = ModelFor(config, wanted.snapshot, make_evaluator_);
+  evaluators.Put(version, model.evaluator);
+  return model;
+}
+
 void SelfPlay::RunLoop(const std::stop_token& stop, const Welcome& welcome, std::size_t loop) {
   const SelfPlayConfig& config = welcome.self_play;
-  TicketHost host(welcome, tickets_, outbox_, [this] { client_.GameAdded(); });
+  WeightsShelf<std::shared_ptr<Evaluator>> evaluators(kOtherEvaluators);
+  TicketHost host(
+      welcome, tickets_, outbox_, [this] { client_.GameAdded(); },
+      [&](std::uint32_t version) { return ModelOf(version, config, evaluators); });
   GameLoop games(host, host.settings(), config.games_in_flight);
   Snapshot weights;
   Clock::time_point reported;

@@ -17,6 +17,7 @@
 #include "common/model/evaluator.h"
 #include "common/model/weights_snapshot.h"
 #include "common/wire/transport.h"
+#include "common/wire/weights_shelf.h"
 
 namespace powderkeg {
 
@@ -54,6 +55,8 @@ class SelfPlay {
  private:
   [[nodiscard]] std::shared_ptr<const Welcome> WaitUntilReady(const std::stop_token& stop) const;
   void Play(const std::stop_token& stop, const std::shared_ptr<const Welcome>& welcome);
+  [[nodiscard]] std::optional<Model> ModelOf(std::uint32_t version, const SelfPlayConfig& config,
+                                             WeightsShelf<std::shared_ptr<Evaluator>>& evaluators);
   void RunLoop(const std::stop_token& stop, const Welcome& welcome, std::size_t loop);
   [[nodiscard]] Heartbeat Statistics() const;
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "common/base/check.h"
 #include "common/wire/codec.h"
 
 namespace powderkeg {
@@ -21,13 +22,15 @@ std::vector<AgentSpec> SpecsOf(const std::vector<Player>& players) {
 }  // namespace
 
 TicketHost::TicketHost(const Welcome& welcome, TicketBook& tickets, Outbox& outbox,
-                       std::function<void()> game_added)
+                       std::function<void()> game_added,
+                       std::function<std::optional<Model>(std::uint32_t version)> model_of)
     : games_(welcome.self_play),
       swaps_at_once_(welcome.self_play.weights_swap == WeightsSwap::kAtOnce),
       settings_digest_(welcome.settings_digest),
       tickets_(tickets),
       outbox_(outbox),
       game_added_(std::move(game_added)),
+      model_of_(std::move(model_of)),
       slots_(static_cast<std::size_t>(welcome.self_play.games_in_flight)),
       agents_(SpecsOf(games_.players())) {}
 
@@ -39,30 +42,45 @@ TicketHost::~TicketHost() {
 
 std::optional<GamePlan> TicketHost::NextGame(int slot_number) {
   if (outbox_.full()) return std::nullopt;
-  const std::optional<std::uint64_t> ticket = tickets_.Take();
-  if (!ticket) return std::nullopt;
+  const std::optional<Grant> grant = tickets_.Take();
+  if (!grant) return std::nullopt;
+  std::optional<GamePlan> plan = PlanFor(*grant, slot_number);
+  if (!plan) {
+    tickets_.PutBack(grant->ticket);
+    return std::nullopt;
+  }
   Slot& slot = slots_[static_cast<std::size_t>(slot_number)];
-  slot.ticket = ticket;
+  slot.ticket = grant->ticket;
   slot.start = std::chrono::steady_clock::now();
-  return PlanFor(*ticket, slot_number);
+  return plan;
 }
 
-GamePlan TicketHost::PlanFor(std::uint64_t ticket, int slot) {
-  GamePlan plan{.ticket = ticket, .setup = games_.SetupFor(ticket), .agents = {}};
+std::optional<GamePlan> TicketHost::PlanFor(const Grant& grant, int slot) {
+  GamePlan plan{.ticket = grant.ticket, .setup = games_.SetupFor(grant.ticket), .agents = {}};
+  const bool exam = games_.lineups()[plan.setup.lineup].exam;
   for (AgentId seat = 0; seat < kAgentCount; ++seat) {
-    if (plan.setup.seats[seat].searches) plan.agents[seat] = AgentFor(plan.setup, seat, slot);
+    if (!plan.setup.seats[seat].searches) continue;
+    const std::size_t player = plan.setup.seats[seat].player;
+    const std::optional<Model> model = ModelOf(player, grant);
+    if (!model) return std::nullopt;
+    const bool newest = games_.players()[player].weights == PlayerSpec::Weights::kNewest;
+    plan.agents[seat] = {
+        .agent = agents_.At(slot, seat, exam ? player + games_.players().size() : player),
+        .model = *model,
+        .takes_new_weights = newest && swaps_at_once_};
   }
   return plan;
 }
 
-SeatedAgent TicketHost::AgentFor(const GameSetup& setup, AgentId seat, int slot) {
-  const std::size_t index = setup.seats[seat].player;
-  const Player& player = games_.players()[index];
-  const bool exam = games_.lineups()[setup.lineup].exam;
-  const bool newest = player.weights == PlayerSpec::Weights::kNewest;
-  return {.agent = agents_.At(slot, seat, exam ? index + games_.players().size() : index),
-          .model = newest ? newest_ : uniform_,
-          .takes_new_weights = newest && swaps_at_once_};
+std::optional<Model> TicketHost::ModelOf(std::size_t player, const Grant& grant) const {
+  switch (games_.players()[player].weights) {
+    case PlayerSpec::Weights::kNone: return uniform_;
+    case PlayerSpec::Weights::kNewest: return newest_;
+    case PlayerSpec::Weights::kPast:
+      return grant.past_version == 0 ? newest_ : model_of_(grant.past_version);
+    case PlayerSpec::Weights::kFile: return model_of_(FileVersion(player));
+  }
+  CHECK(false, player);
 }
 
 void TicketHost::GameFinished(int slot, Game& game) {

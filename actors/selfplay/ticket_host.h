@@ -23,8 +23,10 @@ namespace powderkeg {
 class TicketHost final : public GameHost {
  public:
   // Everything must outlive it. `game_added` is called after a game was put into the outbox.
+  // `model_of`: the model of other weights than the newest, or nullopt while they are on their way.
   TicketHost(const Welcome& welcome, TicketBook& tickets, Outbox& outbox,
-             std::function<void()> game_added);
+             std::function<void()> game_added,
+             std::function<std::optional<Model>(std::uint32_t version)> model_of);
   // Tickets in play wait again.
   ~TicketHost() override;
   TicketHost(const TicketHost&) = delete;
@@ -35,7 +37,7 @@ class TicketHost final : public GameHost {
   void SetNewest(const Model& model) { newest_ = model; }
   [[nodiscard]] const Model& newest() const { return newest_; }
 
-  // No game while no ticket waits or the outbox is full.
+  // No game while no ticket waits, the outbox is full or weights that it needs have not arrived.
   [[nodiscard]] std::optional<GamePlan> NextGame(int slot) override;
   void GameFinished(int slot, Game& game) override;
 
@@ -51,8 +53,9 @@ class TicketHost final : public GameHost {
     std::chrono::steady_clock::time_point start;
   };
 
-  [[nodiscard]] GamePlan PlanFor(std::uint64_t ticket, int slot);
-  [[nodiscard]] SeatedAgent AgentFor(const GameSetup& setup, AgentId seat, int slot);
+  [[nodiscard]] std::optional<GamePlan> PlanFor(const Grant& grant, int slot);
+  // The player's model in the game of this grant; nullopt while it is on its way.
+  [[nodiscard]] std::optional<Model> ModelOf(std::size_t player, const Grant& grant) const;
 
   const RunGames games_;
   const bool swaps_at_once_;
@@ -60,6 +63,7 @@ class TicketHost final : public GameHost {
   TicketBook& tickets_;
   Outbox& outbox_;
   const std::function<void()> game_added_;
+  const std::function<std::optional<Model>(std::uint32_t version)> model_of_;
   std::vector<Slot> slots_;
   AgentPool agents_;
   Model newest_;

@@ -63,9 +63,9 @@ using Words = std::vector<std::string>;
 
 // int, std::uint64_t or double.
 template <typename Type>
-concept Number = std::is_arithmetic_v<Type> && !std::is_same_v<Type, bool>;
+concept NumberType = std::is_arithmetic_v<Type> && !std::is_same_v<Type, bool>;
 
-template <Number Type>
+template <NumberType Type>
 [[nodiscard]] bool ReadValue(std::string_view text, const Allowed& allowed, Type& value) {
   Type number{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -76,7 +76,7 @@ template <Number Type>
   value = number;
   return true;
 }
-template <Number Type>
+template <NumberType Type>
 [[nodiscard]] std::string WriteValue(Type value, const Allowed& /*allowed*/) {
   std::array<char, 32> text;
   if constexpr (std::is_floating_point_v<Type>) {
@@ -87,7 +87,7 @@ template <Number Type>
     return {text.data(), std::to_chars(text.begin(), text.end(), value).ptr};
   }
 }
-template <Number Type>
+template <NumberType Type>
 [[nodiscard]] std::string Expected(const Allowed& allowed, const Type* /*type*/) {
   using Limits = std::numeric_limits<Type>;
   const auto bound = [&](double value) {
@@ -105,20 +105,20 @@ template <Number Type>
 // NamesOf(Enum) beside it.
 [[nodiscard]] Names NamesOf(bool);
 template <typename Type>
-concept Named = std::is_enum_v<Type> || std::is_same_v<Type, bool>;
+concept NamedType = std::is_enum_v<Type> || std::is_same_v<Type, bool>;
 
-template <Named Type>
+template <NamedType Type>
 [[nodiscard]] bool ReadValue(std::string_view text, const Allowed& /*allowed*/, Type& value) {
   const Names names = NamesOf(Type{});
   const auto found = std::ranges::find(names, text);
   if (found != names.end()) value = static_cast<Type>(found - names.begin());
   return found != names.end();
 }
-template <Named Type>
+template <NamedType Type>
 [[nodiscard]] std::string WriteValue(Type value, const Allowed& /*allowed*/) {
   return std::string(NamesOf(value)[static_cast<std::size_t>(value)]);
 }
-template <Named Type>
+template <NamedType Type>
 [[nodiscard]] std::string Expected(const Allowed& /*allowed*/, const Type* /*type*/) {
   return "one of " + Joined(NamesOf(Type{}), ", ");
 }

@@ -10,6 +10,12 @@
 
 namespace powderkeg {
 
+// Weights of a file (PlayerSpec::Weights::kFile) have this version, by the index of their player.
+inline constexpr std::uint32_t kFirstFileVersion = std::uint32_t{1} << 31;
+[[nodiscard]] constexpr std::uint32_t FileVersion(std::size_t player) {
+  return kFirstFileVersion + static_cast<std::uint32_t>(player);
+}
+
 // The games of a run. Equal settings give equal games on every machine. Immutable.
 class RunGames {
  public:

@@ -95,6 +95,7 @@ void Write(const Ack& ack, proto::Envelope& envelope) {
     rejected.set_reason(Reason(game.reason));
   }
   AddAll(ack.tickets, message.mutable_tickets());
+  message.mutable_past_versions()->Add(ack.past_versions.begin(), ack.past_versions.end());
 }
 
 void Write(const WeightsOffer& offer, proto::WeightsOffer& message) {
@@ -228,6 +229,9 @@ Decoded<WireMessage> Read(const proto::Ack& message) {
   Ack ack;
   if (!ReadTickets(message.durable(), ack.durable)) return OutOfRange("number of games");
   if (!ReadTickets(message.tickets(), ack.tickets)) return OutOfRange("number of tickets");
+  const int past = message.past_versions_size();
+  if (past != 0 && past != message.tickets_size()) return OutOfRange("number of past versions");
+  ack.past_versions.assign(message.past_versions().begin(), message.past_versions().end());
   if (static_cast<std::size_t>(message.rejected_size()) > kMaxTickets) {
     return OutOfRange("number of rejected games");
   }

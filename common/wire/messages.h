@@ -83,6 +83,9 @@ struct Ack {
   std::vector<std::uint64_t> durable{};
   std::vector<RejectedGame> rejected{};
   std::vector<std::uint64_t> tickets{};
+  // For each ticket the weights of its players of past weights; 0: there are none yet, they play by
+  // the newest. Empty where the run has no such players.
+  std::vector<std::uint32_t> past_versions{};
 
   friend bool operator==(const Ack&, const Ack&) = default;
 };

@@ -239,7 +239,7 @@ std::vector<std::string> AddressesOf(const std::string& endpoint) {
   std::vector<std::string> addresses;
   for (const addrinfo* entry = found; entry != nullptr; entry = entry->ai_next) {
     std::array<char, NI_MAXHOST> text{};
-    if (getnameinfo(entry->ai_addr, entry->ai_addrlen, text.data(), text.size(), nullptr, 0,
+    if (getnameinfo(entry->ai_addr, entry->ai_addrlen, text.data(), NI_MAXHOST, nullptr, 0,
                     NI_NUMERICHOST) != 0) {
       continue;
     }

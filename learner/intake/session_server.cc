@@ -280,6 +280,10 @@ void SessionServer::HandleVerdicts() {
 void SessionServer::SendAck(SessionId id, Ack ack) {
   if (peers_.Find(id) == nullptr) return;  // it did not take a message and was ended
   if (!stopping_) ack.tickets = tickets_.TopUp(id);
+  if (settings_.draw_past) {
+    ack.past_versions.resize(ack.tickets.size());
+    std::ranges::generate(ack.past_versions, settings_.draw_past);
+  }
   const auto part = [](const auto& all, std::size_t first) {
     const std::size_t begin = std::min(first, all.size());
     const std::size_t end = std::min(first + kAckEntries, all.size());
@@ -291,7 +295,8 @@ void SessionServer::SendAck(SessionId id, Ack ack) {
   for (std::size_t first = 0; first < entries; first += kAckEntries) {
     Send(id, Ack{.durable = part(ack.durable, first),
                  .rejected = part(ack.rejected, first),
-                 .tickets = part(ack.tickets, first)});
+                 .tickets = part(ack.tickets, first),
+                 .past_versions = part(ack.past_versions, first)});
   }
 }
 

@@ -54,6 +54,9 @@ struct SessionServerSettings {
   // How many games may be in play, besides the durable ones. Actors share them by their loops; at 0
   // only tickets of lost games are handed out. Asked often and on the io thread.
   std::function<std::uint64_t()> games_wanted = [] { return kAllGames; };
+  // The past version that the game of the next ticket meets; not set where nobody plays by past
+  // weights. Called on the io thread.
+  std::function<std::uint32_t()> draw_past;
   // Past versions that actors ask for: from where, and how many stay in memory.
   LoadWeights load_weights;
   std::size_t weights_kept = 8;

@@ -12,6 +12,7 @@
 #include "common/base/check.h"
 #include "common/base/digest.h"
 #include "common/base/durable_file.h"
+#include "common/record/game_setup.h"
 
 namespace powderkeg {
 namespace {
@@ -79,9 +80,10 @@ void League::Add(int iteration, std::span<const GameResult> results) {
   Write();
 }
 
-Contestant League::ContestantOf(const Finish& standing) const {
-  if (standing.weights_version > 0) return {.player = "", .version = standing.weights_version};
-  return {.player = players_.at(standing.player), .version = 0};
+Contestant League::ContestantOf(const Finish& finish) const {
+  const bool of_run = finish.weights_version > 0 && finish.weights_version < kFirstFileVersion;
+  if (of_run) return {.player = "", .version = finish.weights_version};
+  return {.player = players_.at(finish.player), .version = 0};
 }
 
 void League::AddPair(int iteration, const GameResult& result, AgentId first, AgentId second) {
@@ -100,12 +102,11 @@ void League::AddScore(int iteration, const Pair& pair, const MatchScore& score) 
   totals_[pair] += score;
 }
 
-std::uint32_t League::DrawPast(std::uint32_t newest, Rng& rng) const {
-  CHECK(newest >= 2, newest);
+std::uint32_t League::DrawPast(std::uint32_t oldest, std::uint32_t newest, Rng& rng) const {
   const std::lock_guard lock(mutex_);
   std::map<std::uint32_t, MatchScore> ours;  // against each, whatever our version was
-  for (std::uint32_t back = 1; back < newest; back *= 2) ours[newest - back];
-  ours[1];
+  for (std::uint32_t back = 1; oldest + back <= newest; back *= 2) ours[newest - back];
+  if (ours.empty()) return 0;
   for (const auto& [pair, score] : totals_) {
     if (pair.first.version == 0 || pair.second.version == 0) continue;  // a script
     if (const auto met = ours.find(pair.first.version); met != ours.end()) {

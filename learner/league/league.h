@@ -17,11 +17,10 @@
 
 namespace powderkeg {
 
-// A player, with the weights it had; versions of one network are one contestant each, whatever
-// player used them.
+// A version of the run's weights, whatever player used it, or a player without any.
 struct Contestant {
-  std::string player;         // empty where there are weights
-  std::uint32_t version = 0;  // of the weights
+  std::string player;         // empty where there is a version
+  std::uint32_t version = 0;  // 0: none, or weights of a file
 
   [[nodiscard]] std::string name() const;
   friend auto operator<=>(const Contestant&, const Contestant&) = default;
@@ -45,10 +44,10 @@ class League {
   // The results of an iteration, durable when it returns. Throws Error.
   void Add(int iteration, std::span<const GameResult> results);
 
-  // The version to meet of those before `newest` (at least 2): from newest - 1, - 2, - 4, ... and 1,
-  // the more likely the less the newest versions win against it, as (1 - p)^2 (prioritised
-  // fictitious self-play, Vinyals et al. 2019).
-  [[nodiscard]] std::uint32_t DrawPast(std::uint32_t newest, Rng& rng) const;
+  // The version to meet of those from `oldest` to before `newest`: from newest - 1, - 2, - 4, ..., the
+  // more likely the less newer versions won against it, as (1 - p)^2 (prioritised fictitious
+  // self-play, Vinyals et al. 2019). 0: there is none.
+  [[nodiscard]] std::uint32_t DrawPast(std::uint32_t oldest, std::uint32_t newest, Rng& rng) const;
 
   // Everybody that has met somebody, the strongest first.
   [[nodiscard]] std::vector<RatedContestant> Ratings() const;
@@ -57,7 +56,7 @@ class League {
   using Pair = std::pair<Contestant, Contestant>;  // ascending
   using Table = std::map<std::tuple<int, Contestant, Contestant>, MatchScore>;  // by iteration
 
-  [[nodiscard]] Contestant ContestantOf(const Finish& standing) const;
+  [[nodiscard]] Contestant ContestantOf(const Finish& finish) const;
   void AddPair(int iteration, const GameResult& result, AgentId first, AgentId second);
   void AddScore(int iteration, const Pair& pair, const MatchScore& score);
   void Read(int iterations_done);

@@ -7,6 +7,7 @@
 
 #include "common/pommerman/belief.h"
 #include "common/pommerman/observation.h"
+#include "common/record/game_setup.h"
 
 namespace powderkeg {
 namespace {
@@ -98,7 +99,8 @@ class Teacher {
   void Summarize(PlaySummary& summary) const {
     std::uint32_t newest = 1;
     for (AgentId agent = 0; agent < kAgentCount; ++agent) {
-      newest = std::max(newest, game_.tracks[agent].weights_version);
+      const std::uint32_t version = game_.tracks[agent].weights_version;
+      if (version < kFirstFileVersion) newest = std::max(newest, version);
       if (!seat(agent).measured) continue;
       const int outcome = OutcomeFor(game_, agent);
       ++(outcome > 0 ? summary.score.wins

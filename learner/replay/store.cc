@@ -104,6 +104,21 @@ std::size_t ReplayStore::small_segment_count() const {
   return static_cast<std::size_t>(std::ranges::count_if(segments_, IsSmall, &Segment::bytes));
 }
 
+std::size_t ReplayStore::Trim(std::uint64_t max_bytes,
+                              const std::function<bool(std::uint64_t)>& wanted) {
+  std::uint64_t bytes = 0;
+  for (const Segment& segment : segments_) bytes += segment.bytes;
+  const std::size_t removed = std::erase_if(segments_, [&](const Segment& segment) {
+    if (bytes <= max_bytes || std::ranges::any_of(ReadTickets(PathOf(segment)), wanted))
+      return false;
+    RemoveFile(PathOf(segment));
+    bytes -= segment.bytes;
+    return true;
+  });
+  if (removed > 0) SyncFolder(folder_);
+  return removed;
+}
+
 void ReplayStore::Merge() {
   std::vector<Segment> batch;
   std::uint64_t bytes = 0;

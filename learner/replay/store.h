@@ -39,6 +39,10 @@ class ReplayStore {
   // drops. Takes the memory of about two large segments.
   void Merge();
 
+  // Removes segments, the oldest first, while all together are larger than `max_bytes`: as many as
+  // hold no game that is `wanted`. A crash in between has removed some of them. How many were.
+  std::size_t Trim(std::uint64_t max_bytes, const std::function<bool(std::uint64_t)>& wanted);
+
   // What Merge would work on.
   [[nodiscard]] std::size_t small_segment_count() const;
 

@@ -1,5 +1,6 @@
 #include "learner/run/learner.h"
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "common/base/digest.h"
 #include "common/base/durable_file.h"
 #include "common/base/log.h"
+#include "common/base/unique.h"
 #include "common/base/worker.h"
 #include "common/config/config.h"
 #include "common/wire/zmq_transport.h"
@@ -21,6 +23,19 @@ namespace {
 
 // Small segments that are merged within an iteration too, that long ones do not fill the folder.
 constexpr std::size_t kManySegments = 1000;
+
+std::vector<std::string> NamesOfPlayers(const RunGames& games) {
+  std::vector<std::string> names;
+  for (const Player& player : games.players()) names.push_back(player.name);
+  return names;
+}
+
+// Throws Error where a player's weights cannot be read.
+void CheckWeightsFiles(const RunGames& games) {
+  for (const Player& player : games.players()) {
+    if (player.weights == PlayerSpec::Weights::kFile) (void)LoadModel(player.weights_file);
+  }
+}
 
 LiveStatus StatusOf(const LearnerLoop::Progress& progress, const IntakeStatistics& intake,
                     int iterations) {
@@ -55,12 +70,17 @@ Lessons LessonsOf(const GameRecord& game) {
 }  // namespace
 
 Learner::Learner(const LearnerSettings& settings)
-    : name_(RunNameOf(settings.folder)),
+    : folder_(settings.folder),
+      name_(RunNameOf(settings.folder)),
       lock_(settings.folder),
       config_(ConfigOfRun(settings.folder, settings.config, settings.changes)),
+      games_(config_.self_play),
       store_(settings.folder / "replay"),
       loop_(LoopSettings(settings), LoopHooks()),
-      history_(settings.folder / "iterations.csv", loop_.progress().iteration) {
+      history_(settings.folder / "iterations.csv", loop_.progress().iteration),
+      league_(settings.folder / "league.csv", NamesOfPlayers(games_), loop_.progress().iteration),
+      past_rng_(UniqueNumber()) {
+  CheckWeightsFiles(games_);
   const std::vector<std::uint64_t> known = LoadGames();
   log::Info("run opened", "folder", settings.folder.string(), "games", known.size(),
             "iterations_done", loop_.progress().iteration);
@@ -105,16 +125,22 @@ LearnerLoopSettings Learner::LoopSettings(const LearnerSettings& settings) const
   loop.game = GameOf(config_.self_play);
   loop.folder = settings.folder;
   loop.seed = config_.self_play.seed;
+  if (!settings.first_weights.empty()) loop.first = LoadFirstState(settings.first_weights);
   return loop;
 }
 
 LearnerLoopHooks Learner::LoopHooks() {
   return {.publish = [this](const Snapshot& snapshot) { server_->Publish(snapshot); },
-          .iteration_trained = [this](const IterationReport& report) { history_.Append(report); },
+          .iteration_trained =
+              [this](const IterationReport& report, std::span<const GameResult> results) {
+                history_.Append(report);
+                league_.Add(report.iteration, results);
+              },
           .iteration_done =
               [this](const IterationReport& report) {
                 log::Write(log::Level::kInfo, LogLine(report));
                 display_.ShowIteration(report);
+                oldest_ticket_needed_ = loop_.OldestTicketNeeded();
                 merge_wanted_ = true;
               }};
 }
@@ -131,6 +157,27 @@ std::vector<std::uint64_t> Learner::LoadGames() {
   return known;
 }
 
+// Untrained weights, version 1, are not met: nobody plays by them.
+std::uint32_t Learner::DrawPast() {
+  const auto newest = static_cast<std::uint32_t>(loop_.progress().iteration) + 1;
+  return league_.DrawPast(/*oldest=*/2, newest, past_rng_);
+}
+
+// Empty: there are none.
+std::vector<std::uint8_t> Learner::LoadWeights(std::uint32_t version) const {
+  try {
+    if (version < kFirstFileVersion) return ReadFileBytes(WeightsPath(folder_, version));
+    const std::size_t player = version - kFirstFileVersion;
+    if (player >= games_.players().size()) return {};
+    WeightsSnapshot snapshot = *LoadModel(games_.players()[player].weights_file);
+    snapshot.version = version;
+    return Serialize(snapshot);
+  } catch (const Error& error) {
+    log::Warn("weights cannot be served", "version", version, "reason", error.what());
+    return {};
+  }
+}
+
 void Learner::ServeActors(const LearnerSettings& settings, std::span<const std::uint64_t> known) {
   std::optional<std::filesystem::path> keys;
   if (!settings.keys.empty()) keys = settings.keys;
@@ -138,12 +185,17 @@ void Learner::ServeActors(const LearnerSettings& settings, std::span<const std::
   server.run_id = RunIdOf(settings.folder);
   server.self_play = config_.self_play;
   server.games_wanted = [this] { return loop_.GamesWanted(); };
+  server.load_weights = [this](std::uint32_t version) { return LoadWeights(version); };
+  if (std::ranges::find(games_.players(), PlayerSpec::Weights::kPast, &Player::weights) !=
+      games_.players().end()) {
+    server.draw_past = [this] { return DrawPast(); };
+  }
   server_ = std::make_unique<SessionServer>(
       server, ListenZmq({settings.listen, keys, settings.insecure}),
       [this](const std::vector<GameRecord>& games, std::vector<Lessons> lessons) {
         Append(games, std::move(lessons));
       },
-      known);
+      known, loop_.next_ticket());
   log::Info("listening", "endpoint", server_->endpoint(), "keys", keys ? "yes" : "no");
 }
 
@@ -152,8 +204,18 @@ void Learner::Append(const std::vector<GameRecord>& games, std::vector<Lessons> 
   store_.Append(games);
   if (merge_wanted_.exchange(false) || store_.small_segment_count() >= kManySegments) {
     store_.Merge();
+    TrimStore();
   }
   for (Lessons& game : lessons) loop_.Add(std::move(game));
+}
+
+void Learner::TrimStore() {
+  const auto bytes = static_cast<std::uint64_t>(config_.training.replay_mb) << 20;
+  if (bytes == 0) return;
+  const std::uint64_t oldest = oldest_ticket_needed_;
+  const std::size_t segments =
+      store_.Trim(bytes, [oldest](std::uint64_t ticket) { return ticket >= oldest; });
+  if (segments > 0) log::Info("removed games of long ago", "segments", segments);
 }
 
 // By any thread.

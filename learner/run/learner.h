@@ -14,7 +14,9 @@
 #include <vector>
 
 #include "common/http/http_server.h"
+#include "common/record/game_setup.h"
 #include "learner/intake/session_server.h"
+#include "learner/league/league.h"
 #include "learner/replay/store.h"
 #include "learner/report/display.h"
 #include "learner/report/iteration_history.h"
@@ -31,6 +33,7 @@ struct LearnerSettings {
   std::string listen;                      // tcp://... or ipc://...
   std::string keys;                        // folder of CURVE keys; empty: none
   bool insecure = false;                   // other machines may come without keys
+  std::string first_weights;               // of a new run, as LoadFirstState; empty: untrained
   std::optional<HttpServerSettings> http;  // of the dashboard
 };
 
@@ -47,21 +50,30 @@ class Learner {
   [[nodiscard]] LearnerLoopSettings LoopSettings(const LearnerSettings& settings) const;
   [[nodiscard]] LearnerLoopHooks LoopHooks();
   [[nodiscard]] std::vector<std::uint64_t> LoadGames();
+  [[nodiscard]] std::uint32_t DrawPast();
+  [[nodiscard]] std::vector<std::uint8_t> LoadWeights(std::uint32_t version) const;
   void ServeActors(const LearnerSettings& settings, std::span<const std::uint64_t> known);
   void ServeHttp(const HttpServerSettings& settings);
   void Append(const std::vector<GameRecord>& games, std::vector<Lessons> lessons);
+  // Keeps the store within training.replay_mb.
+  void TrimStore();
   [[nodiscard]] RunView View() const;
   [[nodiscard]] std::string IterationsDone() const;
 
+  const std::filesystem::path folder_;
   const std::string name_;
   const std::time_t started_ = std::time(nullptr);
   RunLock lock_;
   RunConfig config_;
+  const RunGames games_;
   Display display_;
   std::atomic<bool> merge_wanted_ = false;
+  std::atomic<std::uint64_t> oldest_ticket_needed_ = 0;  // of those stored
   ReplayStore store_;
   LearnerLoop loop_;
   IterationHistory history_;
+  League league_;
+  Rng past_rng_;                           // of the io thread
   std::unique_ptr<SessionServer> server_;  // its threads use what stands above
   std::optional<HttpServer> http_;         // and so do its
 };

@@ -4,17 +4,20 @@
 // on.
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "common/config/run_config.h"
+#include "learner/run/run_claim.h"
 
 namespace powderkeg {
 
 // Only one learner at a time may own a run. Held until the lock is destroyed or the process ends.
 class RunLock {
  public:
-  // Throws Error if the folder is in use or cannot be written.
+  // Throws Error if the folder is in use or cannot be written. Where the file system has no locks
+  // it says so in the log and makes do with a RunClaim.
   explicit RunLock(const std::filesystem::path& folder);
   ~RunLock();
   RunLock(const RunLock&) = delete;
@@ -22,10 +25,11 @@ class RunLock {
 
  private:
   int file_;
+  std::optional<RunClaim> claim_;
 };
 
-// The folder's name as far as it can be part of a name on the wire: at most 40 characters, '_' for
-// those that are no visible ASCII.
+// The folder's name; of ".", that of the working directory. Throws Error if it is none
+// (common/base/name.h).
 [[nodiscard]] std::string RunNameOf(const std::filesystem::path& folder);
 
 // The name and random digits, made at the run's first start and kept in run_id: actors must not mix
@@ -33,9 +37,15 @@ class RunLock {
 [[nodiscard]] std::string RunIdOf(const std::filesystem::path& folder);
 
 // Settings are kept with the run (config.textproto): those of `file`, or of the run where `file` is
-// empty, changed by `changes`. Throws Error as LoadConfig does.
+// empty, changed by `changes`. Throws Error as LoadConfig does, and if they change what stored
+// games and weights are of: the rules, the boards, the network.
 [[nodiscard]] RunConfig ConfigOfRun(const std::filesystem::path& folder, const std::string& file,
                                     std::span<const std::string> changes);
+
+// Throws Error unless a learner may begin there, or go on, with these settings. Writes nothing.
+void CheckRun(const std::filesystem::path& folder, const std::string& file,
+              std::span<const std::string> changes);
+
 void StoreConfig(const std::filesystem::path& folder, const RunConfig& config);
 
 }  // namespace powderkeg

@@ -73,6 +73,12 @@ void AddHeldOut(const TrainingResult& measured, IterationReport& report) {
 
 }  // namespace
 
+std::filesystem::path WeightsPath(const std::filesystem::path& run_folder, std::uint32_t version) {
+  std::ostringstream name;
+  name << "version-" << std::setw(6) << std::setfill('0') << version << ".weights";
+  return run_folder / "weights" / name.str();
+}
+
 // Says at intervals what the loop waits for.
 class LearnerLoop::WaitLog {
  public:
@@ -123,7 +129,7 @@ TrainerState LearnerLoop::FirstOrNewestState() {
     checkpoints_.Save(*checkpoint);
   }
   if (!checkpoint) return UntrainedState(settings_);
-  first_weights_ = FirstWeights::kGiven;
+  if (checkpoint->data_sets.empty()) first_weights_ = FirstWeights::kGiven;
   log::Info("resuming", "iterations_done", checkpoint->iteration(), "samples_seen",
             checkpoint->trainer.samples_seen);
   schedule_ = MakeSchedule(settings_.training, std::move(checkpoint->data_sets));
@@ -144,6 +150,16 @@ void LearnerLoop::Add(Lessons&& game) {
   if (use == Schedule::Use::kNone || (use == Schedule::Use::kWindow && window_restored_)) return;
   games_.emplace(game.ticket, std::move(game));
   games_added_.notify_all();
+}
+
+std::uint64_t LearnerLoop::next_ticket() const {
+  const std::lock_guard lock(mutex_);
+  return schedule_.next_ticket();
+}
+
+std::uint64_t LearnerLoop::OldestTicketNeeded() const {
+  const std::lock_guard lock(mutex_);
+  return schedule_.OldestTicketNeeded(settings_.training.checkpoints_kept);
 }
 
 std::uint64_t LearnerLoop::GamesWanted() const {
@@ -222,7 +238,7 @@ bool LearnerLoop::RunIteration(DataSet data_set, Seconds waited, const std::stop
   if (!data_set.held_out.empty()) AddHeldOut(trainer_->Measure(data_set.held_out), report);
   report.waited_s = waited.count();
   report.trained_s = Seconds(Clock::now() - start).count();
-  hooks_.iteration_trained(report);
+  hooks_.iteration_trained(report, data_set.results);
   const TrainerState state = trainer_->state(version_ + 1);
   checkpoints_.Save({.data_sets = schedule_.data_sets(), .trainer = state});
   {
@@ -254,9 +270,7 @@ TrainingResult LearnerLoop::Train(int iteration, const std::stop_token& stop) {
 
 void LearnerLoop::Publish(const TrainerState& state) {
   const Snapshot snapshot = MakePublishedSnapshot(state, window_);
-  std::ostringstream name;
-  name << "version-" << std::setw(6) << std::setfill('0') << snapshot->version << ".weights";
-  SaveSnapshot(*snapshot, (settings_.folder / "weights" / name.str()).string());
+  SaveSnapshot(*snapshot, WeightsPath(settings_.folder, snapshot->version).string());
   const int iterations_done = static_cast<int>(snapshot->version) - 1;
   hooks_.publish(VersionToPlay(iterations_done, first_weights_) == 0 ? nullptr : snapshot);
 }

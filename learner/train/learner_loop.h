@@ -11,6 +11,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -25,6 +26,10 @@
 #include "learner/train/trainer.h"
 
 namespace powderkeg {
+
+// Where a run keeps a version of its weights.
+[[nodiscard]] std::filesystem::path WeightsPath(const std::filesystem::path& run_folder,
+                                                std::uint32_t version);
 
 struct LearnerLoopSettings {
   TrainingConfig training;
@@ -43,7 +48,8 @@ struct LearnerLoopHooks {
   std::function<void(const Snapshot&)> publish = [](const Snapshot&) {};
   // Before the checkpoint of an iteration, without which it is repeated, and reported again: what
   // is written of it here is there once it counts as complete.
-  std::function<void(const IterationReport&)> iteration_trained = [](const IterationReport&) {};
+  std::function<void(const IterationReport&, std::span<const GameResult>)> iteration_trained =
+      [](const IterationReport&, std::span<const GameResult>) {};
   // After an iteration is complete and durable: a good moment to have the store merged (by the
   // store's own thread).
   std::function<void(const IterationReport&)> iteration_done = [](const IterationReport&) {};
@@ -80,6 +86,13 @@ class LearnerLoop {
   // The lessons of a game that is durable. Doubles and games of finished iterations are ignored.
   // Does not wait, not even while training.
   void Add(Lessons&& game);
+
+  // Every ticket below it belongs to an iteration that was started: it is done, even if its game is
+  // stored no more.
+  [[nodiscard]] std::uint64_t next_ticket() const;
+  // Games below it are not needed after a restart, whichever of the kept checkpoints it goes on
+  // from. To be asked in iteration_done: an iteration in progress counts as complete.
+  [[nodiscard]] std::uint64_t OldestTicketNeeded() const;
 
   // How many games, besides those added, are worth playing now (Schedule::GamesWanted): more would
   // be of old weights when their turn comes. Tickets of games that were lost must be handed out

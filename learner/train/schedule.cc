@@ -53,6 +53,12 @@ Schedule::Use Schedule::UseOf(std::uint64_t ticket) const {
   return in_window ? Use::kWindow : Use::kNone;
 }
 
+std::uint64_t Schedule::OldestTicketNeeded(int checkpoints) const {
+  const std::size_t sets = window_data_sets_ - 1 + static_cast<std::size_t>(checkpoints - 1);
+  if (sets >= data_sets_.size()) return 0;
+  return sets == 0 ? next_ticket() : data_sets_[data_sets_.size() - sets].first;
+}
+
 std::uint64_t Schedule::GamesWanted() const {
   const int data_sets = std::min(kDataSetsAhead, iterations_ - iteration());
   const std::uint64_t wanted = static_cast<std::uint64_t>(data_sets) * decisions_;

@@ -44,6 +44,13 @@ class Schedule {
   // What Add would do with a game that is not known yet.
   [[nodiscard]] Use UseOf(std::uint64_t ticket) const;
 
+  // Every ticket below it belongs to an iteration that was started.
+  [[nodiscard]] std::uint64_t next_ticket() const { return prefix_.next_ticket(); }
+
+  // The first ticket of the window after the iteration `checkpoints` - 1 before the last one.
+  // Requires checkpoints > 0.
+  [[nodiscard]] std::uint64_t OldestTicketNeeded(int checkpoints) const;
+
   // How many games more, besides those added, the next two data sets need (as far as there are
   // iterations left), by the mean length of the games so far.
   [[nodiscard]] std::uint64_t GamesWanted() const;

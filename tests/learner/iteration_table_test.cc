@@ -40,8 +40,8 @@ TEST(IterationTable, NarrowTerminalsGetWholeColumns) {
   const IterationReport report = ReportOf(7);
   const std::string line = TableLine(report);
   EXPECT_EQ(TableLine(report, line.size()), line);
-  EXPECT_EQ(TableHeader(report, 60), "iter  games  decisions  win %               tie %");
-  EXPECT_EQ(TableLine(report, 60), line.substr(0, 60)) << line;
+  EXPECT_EQ(TableHeader(report, 62), "iter  games  decisions  win %               tie %");
+  EXPECT_EQ(TableLine(report, 62), line.substr(0, 62)) << line;
   for (std::size_t width = 0; width < 200; ++width) {
     ASSERT_LE(TableLine(report, width).size(), width);
     ASSERT_LE(TableHeader(report, width).size(), width);

@@ -18,9 +18,8 @@ GameRecord PlayTeachers(std::uint64_t seed, const GameSettings& settings = {}) {
   record.setup.settings = settings;
   record.setup.seed = seed;
   record.setup.to_the_end = false;
-  record.setup.seats.fill({.policy = PolicyKind::kSimpleUnbiased,
-                           .teaches = Teaches::kMoves,
-                           .measured = true});
+  record.setup.seats.fill(
+      {.policy = PolicyKind::kSimpleUnbiased, .teaches = Teaches::kMoves, .measured = true});
   State state = GenerateStart(settings, record.setup.start, BoardRng(record.setup));
   std::array<RuleBasedSeat, kAgentCount> seats;
   for (AgentId id = 0; id < kAgentCount; ++id) seats[id] = RuleBasedSeat(record.setup, id);

@@ -49,6 +49,24 @@ TEST(Schedule, GoesOnAfterARestart) {
   EXPECT_TRUE(schedule.finished());
 }
 
+// Whatever the user has removed of the games below.
+TEST(Schedule, WhatACheckpointHasUsedIsDone) {
+  EXPECT_EQ(ThreeIterations().next_ticket(), 0u);
+  EXPECT_EQ(ThreeIterations({{0, 4}, {5, 9}}).next_ticket(), 10u);
+}
+
+// The window of two data sets after an iteration begins with that iteration's own.
+TEST(Schedule, KnowsWhatARestartMayNeed) {
+  const Schedule schedule = ThreeIterations({{0, 4}, {5, 9}, {10, 14}});
+  EXPECT_EQ(schedule.OldestTicketNeeded(/*checkpoints=*/1), 10u);
+  EXPECT_EQ(schedule.OldestTicketNeeded(/*checkpoints=*/2), 5u);
+  EXPECT_EQ(schedule.OldestTicketNeeded(/*checkpoints=*/3), 0u);
+  EXPECT_EQ(schedule.OldestTicketNeeded(/*checkpoints=*/9), 0u);
+  const Schedule no_window(3, 10, /*window_data_sets=*/1, {{0, 4}, {5, 9}});
+  EXPECT_EQ(no_window.OldestTicketNeeded(1), 10u);
+  EXPECT_EQ(no_window.OldestTicketNeeded(2), 5u);
+}
+
 TEST(Schedule, WantsGamesForTwoDataSetsByTheirMeanLength) {
   Schedule schedule(/*iterations=*/4, /*decisions_per_iteration=*/1000, /*window_data_sets=*/2);
   EXPECT_EQ(schedule.GamesWanted(), 10u) << "of a usual length";

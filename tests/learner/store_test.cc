@@ -62,8 +62,24 @@ TEST(ReplayStore, MergesWhileAnotherProgramHoldsASegmentsLock) {
   ASSERT_EQ(flock(file, LOCK_EX | LOCK_NB), 0);
   store.Merge();
   close(file);
-  EXPECT_EQ(store.segment_count(), 1u);
+  EXPECT_EQ(FilesIn(folder.path()).size(), 1u);
   EXPECT_EQ(LoadAll(store), games);
+}
+
+TEST(ReplayStore, StaysWithinASizeAsFarAsGamesAreNotWanted) {
+  const TemporaryFolder folder;
+  const std::vector<GameRecord> games = RandomRecords(0, 5);
+  ReplayStore store(folder.path());
+  for (const GameRecord& game : games) store.Append(std::span(&game, 1));
+  const auto wanted = [](std::uint64_t ticket) { return ticket == 1 || ticket >= 4; };
+  EXPECT_EQ(store.Trim(std::uint64_t{1} << 30, wanted), 0u);
+  EXPECT_EQ(LoadAll(store), games);
+  const std::uint64_t all_but_one = 4 * fs::file_size(FilesIn(folder.path()).front()) + 10'000;
+  EXPECT_EQ(store.Trim(all_but_one, wanted), 1u) << "the oldest goes";
+  EXPECT_EQ(store.Trim(0, wanted), 2u);
+  const std::vector<GameRecord> left = {games[1], games[4]};
+  EXPECT_EQ(LoadAll(store), left);
+  EXPECT_EQ(LoadAll(ReplayStore(folder.path())), left);
 }
 
 TEST(ReplayStore, NumbersGoOnAfterARestart) {

@@ -139,6 +139,34 @@ TEST(SelfPlayTest, GamesUseTheNewestWeights) {
   }
 }
 
+// Past selves sit beside the newest: their weights come by the grant, their tracks say which.
+TEST(SelfPlayTest, PastPlayersUseThePastWeightsOfTheirGrant) {
+  InProcessNetwork network;
+  SessionServerSettings settings = SearchingSettings();
+  settings.self_play.evaluator = "auto";
+  settings.self_play.players = {{.name = "me", .teaches = Teaches::kSearch},
+                                {.name = "past", .weights = PlayerSpec::Weights::kPast}};
+  settings.self_play.lineups = {{.seats = {"me", "past", "idle", "idle"}}};
+  settings.draw_past = [] { return 3u; };
+  settings.load_weights = [](std::uint32_t version) { return Serialize(*WeightsWithCanary(version)); };
+  TestLearner learner(network.Listen(), settings);
+  RunningActor actor(network, [](const SelfPlayConfig&, const Snapshot&) {
+    return std::make_unique<FakeNetwork>(0.25F);
+  });
+  learner.server->Publish(WeightsWithCanary(5));
+  ASSERT_TRUE(Eventually([&] { return learner.games().size() >= 3; }));
+  const RunGames games(settings.self_play);
+  for (const GameRecord& game : learner.games()) {
+    for (AgentId seat = 0; seat < kAgentCount; ++seat) {
+      const Seat& who = game.setup.seats[seat];
+      const std::string& name = games.players()[who.player].name;
+      const std::uint32_t version = game.tracks[seat].weights_version;
+      EXPECT_EQ(version, name == "me" ? 5u : name == "past" ? 3u : 0u);
+      EXPECT_EQ(game.tracks[seat].decisions.empty(), name != "me") << "only teachers are recorded";
+    }
+  }
+}
+
 TEST(SelfPlayTest, AnEvaluatorThatFailsTheCanaryEndsTheActor) {
   InProcessNetwork network;
   SessionServerSettings settings = SearchingSettings();

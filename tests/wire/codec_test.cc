@@ -147,6 +147,8 @@ TEST(CodecTest, MessagesComeBackAsTheyWere) {
   ExpectSurvives(Games{.games = {SealedTicket(QuickConfig(), 0), SealedTicket(QuickConfig(), 1)}});
   ExpectSurvives(
       Ack{.durable = {1, 2}, .rejected = {{.ticket = 3, .reason = "bad"}}, .tickets = {4}});
+  ExpectSurvives(Ack{.tickets = {4, 5}, .past_versions = {0, 7}});
+  ExpectRefused(Ack{.tickets = {4, 5}, .past_versions = {7}});
   ExpectSurvives(WeightsOffer{.version = 1, .size_bytes = 5, .sha256 = digest});
   const WeightsOffer offer{.version = 1, .size_bytes = 7, .sha256 = digest};
   ExpectSurvives(WeightsRequest{.version = 1, .offset_bytes = 5, .receipt = 9});

@@ -36,6 +36,13 @@ TEST(TicketOfficeTest, GrantsInOrder) {
   EXPECT_EQ(office.StandingOf(5), Standing::kNeverIssued);
 }
 
+// Games that the learner has used and the user has removed.
+TEST(TicketOfficeTest, WhatLiesBelowTheFirstOpenTicketIsDone) {
+  TicketOffice office(Tickets{102}, 100);
+  EXPECT_EQ(office.StandingOf(7), Standing::kDurable);
+  EXPECT_EQ(office.Grant(1, 3, 3), (Tickets{100, 101, 103}));
+}
+
 TEST(TicketOfficeTest, ReissuesLowestFirst) {
   TicketOffice office({});
   (void)office.Grant(1, 4, 4);
