@@ -90,12 +90,13 @@ NetworkDescription TinyNetwork() {
 }
 
 TEST_F(ArenaProgram, RefusesUnknownAgentsAndOptions) {
-  ExpectRefused("--agent nobody", "unknown agent \"nobody\": known: idle, random");
+  ExpectRefused("--agent nobody", "unknown agent nobody: known: idle, random");
   ExpectRefused("--agent random:x=1", "agent random: options \"x=1\": it has none");
-  ExpectRefused("--agent search:depth=3", "unknown search option 'depth'; known are: preset,");
+  ExpectRefused("--agent search:depth=3", "there is no setting search:depth; did you mean");
   ExpectRefused("--agent search:depth", "expected OPTION=VALUE");
-  ExpectRefused("--agent search:tree=three_player", "tree = 'three_player': expected one_player");
-  ExpectRefused("--agent random --opponents idle nobody", "unknown agent \"nobody\"");
+  ExpectRefused("--agent search:tree=three_player",
+                "search:tree is three_player; expected one of one_player, two_player");
+  ExpectRefused("--agent random --opponents idle nobody", "unknown agent nobody");
   ExpectRefused("--agent raw", "no model: expected raw:model=FILE");
   ExpectRefused("", "--agent is required");
   ExpectRefused("--agent random --depth 3", "--depth");
@@ -103,9 +104,9 @@ TEST_F(ArenaProgram, RefusesUnknownAgentsAndOptions) {
 
 TEST_F(ArenaProgram, RefusesImpossibleNumbers) {
   ExpectRefused("--agent search:simulations=0",
-                "simulations = '0': expected a whole number from 1 to 1000000");
-  ExpectRefused("--agent search:simulations=-5", "simulations = '-5': expected");
-  ExpectRefused("--agent search:simulations=many", "simulations = 'many': expected");
+                "search:simulations is 0; expected a whole number from 1 to 1000000");
+  ExpectRefused("--agent search:simulations=-5", "search:simulations is -5; expected");
+  ExpectRefused("--agent search:simulations=many", "search:simulations is many; expected");
   ExpectRefused("--agent random --games 0", "--games");
   ExpectRefused("--agent random --games soon", "--games");
   ExpectRefused("--agent random --threads 0", "--threads");
