@@ -4,15 +4,16 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <string>
 
-#include "common/base/check.h"
 #include "common/base/log.h"
 #include "common/config/config.h"
 #include "learner/report/dashboard.h"
 #include "learner/run/learner.h"
+#include "learner/run/run_folder.h"
 
 namespace powderkeg {
 namespace {
@@ -23,6 +24,7 @@ struct Options {
   LearnerSettings learner;
   std::string http = "off";
   std::string log_level = "info";
+  bool check = false;
 };
 
 // Every peer takes a file, and without one left nothing could be stored.
@@ -63,6 +65,7 @@ void AddOptions(CLI::App& app, Options& options) {
          "ADDRESS:PORT (port 0: any free one), off, or auto: 127.0.0.1:8265 or, where that is\n"
          "taken, any free port. Read-only and unauthenticated: whoever reaches it sees the run")
       ->capture_default_str();
+  app.add_flag("--check", options.check, "check the run's name and settings, write nothing, end");
   app.add_option("--log-level", options.log_level, "debug, info, warn or error")
       ->capture_default_str();
 }
@@ -81,16 +84,15 @@ int Main(int argc, char** argv) {
   std::signal(SIGHUP, [](int) { stop_signal = 1; });
   try {
     options.learner.http = DashboardServer(options.http);
+    CheckRun(options.learner.folder, options.learner.config, options.learner.changes);
+    if (options.check) return 0;
     const std::filesystem::path logs = options.learner.folder / "log";
     std::filesystem::create_directories(logs);
     log::Init((logs / "learner.log").string(), log::LevelFor(options.log_level),
               /*console=*/log::Level::kWarn);  // the display shows the rest
     Learner(options.learner).Run([] { return stop_signal != 0; });
     return 0;
-  } catch (const Error& error) {
-    log::Error("learner failed", "reason", error.what());
-    return 1;
-  } catch (const std::filesystem::filesystem_error& error) {
+  } catch (const std::exception& error) {
     log::Error("learner failed", "reason", error.what());
     return 1;
   }

@@ -17,7 +17,9 @@ constexpr std::array<std::string_view, 2> kSwapNames = {"at_game_start", "at_onc
 
 void ReadSelfPlay(std::span<const TextField> fields, SelfPlayConfig& config) {
   ReadOptions(fields, "self_play.", SelfPlayOptions(), config, kSelfPlaySections);
-  if (!config.opponents.empty()) config.lineups.clear();  // they are short for line-ups
+  const bool has_opponents =
+      std::ranges::find(fields, "opponents", &TextField::name) != fields.end();
+  if (has_opponents) config.lineups.clear();  // they are short for line-ups
   for (const TextField& field : fields) {
     if (field.name == "search") {
       ReadOptions(field.fields, "self_play.search.", SearchOptions(), config.search);

@@ -166,6 +166,9 @@ GameSettings GameOf(const SelfPlayConfig& config) {
 }
 
 void FillPlayers(SelfPlayConfig& config) {
+  if (!config.lineups.empty() && !config.opponents.empty()) {
+    throw Error("self_play.opponents beside self_play.lineup; expected one of the two");
+  }
   if (config.players.empty()) config.players.push_back({.name = "me", .teaches = Teaches::kSearch});
   if (config.lineups.empty()) {
     const auto others = static_cast<std::size_t>(SeatCount(GameOf(config).mode) - 1);

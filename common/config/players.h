@@ -80,7 +80,8 @@ struct Players {
 struct SelfPlayConfig;
 
 // Where no player is given: "me", the run's search, which learns. Where no line-up is given: the
-// first player and config.opponents in 95 % of the games, and as an exam in the rest.
+// first player and config.opponents in 95 % of the games, and as an exam in the rest. Throws Error
+// if they are too few, or given beside line-ups, or the environment is unknown.
 void FillPlayers(SelfPlayConfig& config);
 
 // Who plays under these settings. Throws Error with what is wrong: an unknown or doubled name, a

@@ -5,10 +5,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cinttypes>
 #include <cstring>
 #include <fstream>
+#include <string_view>
 #include <utility>
 
 #include "common/base/check.h"
@@ -16,14 +18,34 @@
 #include "common/base/durable_file.h"
 #include "common/base/format.h"
 #include "common/base/log.h"
+#include "common/base/name.h"
 #include "common/base/unique.h"
 #include "common/config/config.h"
 
 namespace powderkeg {
 namespace {
 
+constexpr std::size_t kLongestInId = 40;
+
+// What a run keeps: its games, weights and table are of these.
+constexpr std::array<std::string_view, 4> kKept = {"environment", "board_generator", "corners",
+                                                   "network"};
+
 std::filesystem::path StoredConfig(const std::filesystem::path& folder) {
   return folder / "config.textproto";
+}
+
+template <typename Settings>
+void RequireKept(std::string_view path, OptionTable<Settings> table, const Settings& before,
+                 const Settings& now) {
+  for (const Option<Settings>& option : table) {
+    const std::string old_value = option.write(before, option.allowed);
+    const std::string value = option.write(now, option.allowed);
+    if (value == old_value || std::ranges::find(kKept, option.name) == kKept.end()) continue;
+    throw Error(StrCat(path, option.name, " is ", Quoted(value), ", but this run began with ",
+                       Quoted(old_value), "; expected a new run, or the same ", Joined(kKept, ", "),
+                       ": the other settings may change"));
+  }
 }
 
 }  // namespace
@@ -49,30 +71,36 @@ RunLock::~RunLock() {
 }
 
 std::string RunNameOf(const std::filesystem::path& folder) {
-  constexpr std::size_t kLongest = 40;
-  std::string name =
-      (std::filesystem::absolute(folder) / "").lexically_normal().parent_path().filename().string();
-  std::ranges::replace_if(
-      name, [](unsigned char c) { return c <= ' ' || c > '~'; }, '_');
-  return name.substr(0, kLongest);
+  const std::filesystem::path path = (folder / ".").parent_path();
+  const std::string name = (path == "." ? std::filesystem::current_path() : path).filename();
+  RequireName("the run's name", name);
+  return name;
 }
 
 std::string RunIdOf(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "run_id";
   std::string id;
   if (std::ifstream(path) >> id) return id;
-  id = RunNameOf(folder) + "-" + Format("%016" PRIx64, UniqueNumber());
+  id = RunNameOf(folder).substr(0, kLongestInId) + "-" + Format("%016" PRIx64, UniqueNumber());
   WriteFileDurably(path, BytesOf(id + '\n'));
   return id;
 }
 
 RunConfig ConfigOfRun(const std::filesystem::path& folder, const std::string& file,
                       std::span<const std::string> changes) {
-  std::string source = file;
-  if (source.empty() && std::filesystem::exists(StoredConfig(folder))) {
-    source = StoredConfig(folder).string();
-  }
-  return LoadConfig(source, changes);
+  if (!std::filesystem::exists(StoredConfig(folder))) return LoadConfig(file, changes);
+  const std::string stored = StoredConfig(folder).string();
+  const RunConfig before = LoadConfig(stored, {});
+  const RunConfig now = LoadConfig(file.empty() ? stored : file, changes);
+  RequireKept("self_play.", SelfPlayOptions(), before.self_play, now.self_play);
+  RequireKept("training.", TrainingOptions(), before.training, now.training);
+  return now;
+}
+
+void CheckRun(const std::filesystem::path& folder, const std::string& file,
+              std::span<const std::string> changes) {
+  static_cast<void>(RunNameOf(folder));
+  static_cast<void>(ConfigOfRun(folder, file, changes));
 }
 
 void StoreConfig(const std::filesystem::path& folder, const RunConfig& config) {

@@ -28,8 +28,8 @@ class RunLock {
   std::optional<RunClaim> claim_;
 };
 
-// The folder's name as far as it can be part of a name on the wire: at most 40 characters, '_' for
-// those that are no visible ASCII.
+// The folder's name; of ".", that of the working directory. Throws Error if it is none
+// (common/base/name.h).
 [[nodiscard]] std::string RunNameOf(const std::filesystem::path& folder);
 
 // The name and random digits, made at the run's first start and kept in run_id: actors must not mix
@@ -37,9 +37,15 @@ class RunLock {
 [[nodiscard]] std::string RunIdOf(const std::filesystem::path& folder);
 
 // Settings are kept with the run (config.textproto): those of `file`, or of the run where `file` is
-// empty, changed by `changes`. Throws Error as LoadConfig does.
+// empty, changed by `changes`. Throws Error as LoadConfig does, and if they change what stored
+// games and weights are of: the rules, the boards, the network.
 [[nodiscard]] RunConfig ConfigOfRun(const std::filesystem::path& folder, const std::string& file,
                                     std::span<const std::string> changes);
+
+// Throws Error unless a learner may begin there, or go on, with these settings. Writes nothing.
+void CheckRun(const std::filesystem::path& folder, const std::string& file,
+              std::span<const std::string> changes);
+
 void StoreConfig(const std::filesystem::path& folder, const RunConfig& config);
 
 }  // namespace powderkeg

@@ -13,7 +13,6 @@
 #include "common/base/check.h"
 #include "common/model/evaluation_cache.h"
 #include "common/model/weights_snapshot.h"
-#include "common/record/game_setup.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/learner/record_support.h"
 
@@ -36,9 +35,8 @@ class Loop {
  public:
   Loop()
       : outbox_(spool_.path(), /*limit_bytes=*/std::size_t{1} << 30),
-        host_(welcome_, tickets_, outbox_, [] {}),
-        games_(host_, SetupFor(welcome_.self_play, /*ticket=*/0).settings,
-               welcome_.self_play.games_in_flight) {
+        host_(welcome_, tickets_, outbox_, [] {}, [](std::uint32_t) { return std::nullopt; }),
+        games_(host_, host_.settings(), welcome_.self_play.games_in_flight) {
     std::vector<std::uint64_t> tickets(kTickets);
     std::iota(tickets.begin(), tickets.end(), std::uint64_t{0});
     tickets_.Grant(tickets);
@@ -47,7 +45,7 @@ class Loop {
   // Answers all games from now on.
   void SetModel(std::shared_ptr<Evaluator> evaluator) {
     const Model model{.evaluator = std::move(evaluator)};
-    host_.SetModel(model);
+    host_.SetNewest(model);
     games_.SetModel(model);
   }
 

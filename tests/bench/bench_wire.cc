@@ -70,8 +70,8 @@ void ActAsActor(const std::string& endpoint, const std::filesystem::path& spool,
       [] { return Heartbeat{}; });
   while (!client.ended()) {
     tickets.WaitForTicket(milliseconds(20));
-    while (const auto ticket = tickets.Take()) {
-      if (*ticket < kGames) outbox.Add(prepared.games[*ticket]);
+    while (const auto grant = tickets.Take()) {
+      if (grant->ticket < kGames) outbox.Add(prepared.games[grant->ticket]);
     }
     client.GameAdded();
   }

@@ -62,6 +62,13 @@ TEST(Players, OpponentsAreShortForLineups) {
   const RunConfig stored = ParseConfig(ToText(ParseConfig("", "x", {})), "x", changes);
   EXPECT_THAT(stored.self_play.lineups.at(1).seats,
               ElementsAre("me", "idle", "random", "harmless"));
+  EXPECT_EQ(ParseConfig("self_play { opponents: idle }", "x",
+                        std::vector<std::string>{"self_play.seed=5"})
+                .self_play.lineups.at(0)
+                .seats.at(1),
+            "idle");
+  EXPECT_THAT(FaultOf("opponents: idle lineup { seats: 'me idle idle idle' }"),
+              HasSubstr("expected one of the two"));
   EXPECT_THAT(FaultOf("opponents: 'idle idle'"), HasSubstr("has 2 names; expected 1 or 3"));
   EXPECT_THAT(FaultOf("opponents: 'idle idle bob'"), HasSubstr("bob"));
 }

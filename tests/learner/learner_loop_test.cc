@@ -39,7 +39,10 @@ struct RunLog {
 
   LearnerLoopHooks Hooks() {
     return {.publish = [this](const Snapshot& snapshot) { published.push_back(snapshot); },
-            .iteration_trained = [this](const IterationReport& report) { trained.push_back(report); },
+            .iteration_trained =
+                [this](const IterationReport& report, std::span<const GameResult> /*results*/) {
+                  trained.push_back(report);
+                },
             .iteration_done = [this](const IterationReport& report) { reports.push_back(report); }};
   }
 };
@@ -186,8 +189,9 @@ TEST(LearnerLoop, HeldOutGamesAreMeasuredAndNotTrainedOn) {
   settings.training.held_out_share = 0.5;
   const RunLog run = RunLoop(settings, PlayGames(0, kGames));
   ASSERT_EQ(run.reports.size(), 1u);
-  EXPECT_GT(run.reports[0].held_out_loss, 0);
-  EXPECT_NE(run.reports[0].held_out_loss, run.reports[0].total_loss);
+  EXPECT_GT(run.reports[0].held_out_samples, 0u);
+  EXPECT_GT(run.reports[0].held_out_policy_loss, 0);
+  EXPECT_NE(run.reports[0].held_out_policy_loss, run.reports[0].policy_loss);
 }
 
 TEST(LearnerLoop, AGameThatTheCheckpointCountsMustBeInTheStore) {

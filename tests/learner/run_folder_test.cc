@@ -96,12 +96,16 @@ TEST(RunLock, SaysWhichFileItCannotMake) {
               HasSubstr("cannot create /absent/run/learner.lock: "));
 }
 
-TEST(RunName, IsTheFoldersAsFarAsTheWireCanSayIt) {
+TEST(RunName, IsTheFolders) {
   EXPECT_EQ(RunNameOf("runs/first-run"), "first-run");
   EXPECT_EQ(RunNameOf("runs/first-run/"), "first-run");
-  EXPECT_EQ(RunNameOf("runs/my run\xC3\xA9"), "my_run__");
-  EXPECT_EQ(RunNameOf("runs/" + std::string(50, 'a')), std::string(40, 'a'));
-  EXPECT_EQ(RunNameOf("."), fs::current_path().filename().string().substr(0, 40));
+  EXPECT_EQ(RunNameOf("runs/old/../first-run"), "first-run");
+  EXPECT_EQ(RunNameOf("."), fs::current_path().filename().string());
+  for (const char* const folder : {"runs/..", "runs/.", "..", "runs/my run", ""}) {
+    EXPECT_THAT(MessageOf([&] { static_cast<void>(RunNameOf(folder)); }),
+                HasSubstr("expected 1 to 64 letters"))
+        << folder;
+  }
 }
 
 TEST(RunId, IsMadeOnceAndOtherwiseInAnotherFolder) {
@@ -131,6 +135,27 @@ TEST(ConfigOfRun, IsTheStoredOneUnlessAFileIsGiven) {
   EXPECT_EQ(ConfigOfRun(folder.path(), file, none).training.batch_size, 5);
   EXPECT_EQ(ConfigOfRun(folder.path(), file, none).training.iterations,
             RunConfig().training.iterations);
+}
+
+TEST(ConfigOfRun, KeepsWhatGamesAndWeightsAreOf) {
+  const TemporaryFolder folder;
+  StoreConfig(folder.path(), RunConfig());
+  const auto changed = [&](const std::string& change) {
+    const std::vector<std::string> changes = {change};
+    return MessageOf([&] { CheckRun(folder.path(), "", changes); });
+  };
+  for (const char* const change :
+       {"self_play.games_in_flight=7", "self_play.search.simulations=9", "training.epochs=3",
+        "training.network=small", "self_play.environment=PommeFFACompetition-v0"}) {
+    EXPECT_EQ(changed(change), "no error");
+  }
+  EXPECT_EQ(changed("self_play.environment=PommeTeamCompetition-v0"),
+            "self_play.environment is \"PommeTeamCompetition-v0\", but this run began with "
+            "\"PommeFFACompetition-v0\"; expected a new run, or the same environment, "
+            "board_generator, corners, network: the other settings may change");
+  EXPECT_THAT(changed("self_play.environment=OneVsOne-v0"), HasSubstr("this run began with"));
+  EXPECT_THAT(changed("self_play.board_generator=uniform"), HasSubstr("\"official\""));
+  EXPECT_THAT(changed("training.network=paper"), HasSubstr("training.network is \"paper\""));
 }
 
 }  // namespace

@@ -38,16 +38,16 @@ inline RunView PlayingRun() {
   view.status.decisions = 20'000;
   view.status.decisions_wanted = 100'000;
   view.status.actors = 2;
-  view.intake = {.actors = {ActorOf("actor-0"), ActorOf("actor-1")},
-                 .games = 22,
-                 .decisions = 4'800,
-                 .duplicates = 4,
-                 .rejected = 2,
-                 .other_settings = 5,
-                 .malformed = 6,
-                 .sessions_lost = 1,
-                 .pending_games = 8,
-                 .tickets_issued = 102};
+  view.intake = {{.games = 22,
+                  .decisions = 4'800,
+                  .duplicates = 4,
+                  .rejected = 2,
+                  .other_settings = 5,
+                  .pending_games = 8},
+                 /*actors=*/{ActorOf("actor-0"), ActorOf("actor-1")},
+                 /*malformed=*/6,
+                 /*sessions_lost=*/1,
+                 /*tickets_issued=*/102};
   view.last_iteration = ValuesOf(ReportOf(2));
   return view;
 }

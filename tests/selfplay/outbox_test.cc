@@ -311,14 +311,14 @@ TEST(TicketBookTest, GivesTheLowestAndForgetsTheSettled) {
   TicketBook book;
   book.Grant(std::vector<std::uint64_t>{7, 2, 5});
   book.GrantPlayed(std::vector<std::uint64_t>{1});
-  EXPECT_EQ(book.Take(), 2u);
+  EXPECT_EQ(book.Take(), (Grant{.ticket = 2}));
   book.Settle(5);
-  EXPECT_EQ(book.Take(), 7u);
-  EXPECT_EQ(book.Take(), std::nullopt);
+  EXPECT_EQ(book.Take(), (Grant{.ticket = 7}));
+  EXPECT_FALSE(book.Take());
   book.PutBack(2);
   book.PutBack(5);  // settled: stays away
   EXPECT_EQ(book.waiting(), 1u);
-  EXPECT_EQ(book.Take(), 2u);
+  EXPECT_EQ(book.Take(), (Grant{.ticket = 2}));
   EXPECT_EQ(book.Held(), (std::vector<std::uint64_t>{1, 2, 7}));
 }
 
@@ -326,7 +326,7 @@ TEST(TicketBookTest, WhatWaitsCanBeDropped) {
   TicketBook book;
   book.Grant(std::vector<std::uint64_t>{1, 2, 3});
   book.GrantPlayed(std::vector<std::uint64_t>{0});
-  EXPECT_EQ(book.Take(), 1u);
+  EXPECT_EQ(book.Take(), (Grant{.ticket = 1}));
   EXPECT_EQ(book.Started(), (std::vector<std::uint64_t>{0, 1}));
   book.DropWaiting();
   EXPECT_EQ(book.waiting(), 0u);
@@ -336,7 +336,7 @@ TEST(TicketBookTest, WhatWaitsCanBeDropped) {
 TEST(TicketBookTest, GrantingAgainChangesNothing) {
   TicketBook book;
   book.Grant(std::vector<std::uint64_t>{1});
-  EXPECT_EQ(book.Take(), 1u);
+  EXPECT_EQ(book.Take(), (Grant{.ticket = 1}));
   book.Grant(std::vector<std::uint64_t>{1});
   EXPECT_EQ(book.waiting(), 0u);
 }

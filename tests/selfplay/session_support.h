@@ -143,7 +143,7 @@ class TestActor {
 
   // Plays the next ticket and sends the game; one must wait.
   std::uint64_t PlayOne() {
-    const std::uint64_t ticket = tickets.Take().value();
+    const std::uint64_t ticket = tickets.Take().value().ticket;
     Send(SealedTicket(QuickConfig(), ticket));
     return ticket;
   }

@@ -138,13 +138,13 @@ TEST(SessionTest, ForgedGamesAreRejectedAndTheirTicketsGrantedAnew) {
   TestLearner learner(network.Listen());
   TestActor actor([&] { return network.Connect(); });
   ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() >= 3; }));
-  GameRecord won = PlayTicket(QuickConfig(), *actor.tickets.Take());
+  GameRecord won = PlayTicket(QuickConfig(), actor.tickets.Take()->ticket);
   won.outcome.winners ^= 1;
   actor.Send(Seal(won, {}));
-  GameRecord chosen = PlayTicket(QuickConfig(), *actor.tickets.Take());
+  GameRecord chosen = PlayTicket(QuickConfig(), actor.tickets.Take()->ticket);
   chosen.setup.seed += 1;
   actor.Send(Seal(chosen, {}));
-  SealedGame damaged = SealedTicket(QuickConfig(), *actor.tickets.Take());
+  SealedGame damaged = SealedTicket(QuickConfig(), actor.tickets.Take()->ticket);
   damaged.record[damaged.record.size() / 2] ^= 4;
   actor.Send(damaged);
   EXPECT_TRUE(Eventually([&] { return learner.server->statistics().rejected == 3; }));
@@ -163,7 +163,7 @@ TEST(SessionTest, AnActorThatForgesOnIsRefusedForGood) {
   TestActor actor([&] { return network.Connect(); });
   ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() >= 3; }));
   for (int i = 0; i < 3; ++i) {
-    GameRecord record = PlayTicket(QuickConfig(), *actor.tickets.Take());
+    GameRecord record = PlayTicket(QuickConfig(), actor.tickets.Take()->ticket);
     record.setup.seed += 1;
     actor.Send(Seal(record, SettingsDigest(QuickConfig())));
   }
@@ -575,7 +575,7 @@ TEST(SessionTest, TicketsThatOnlyWaitAreGivenUpWithTheConnection) {
   TestLearner learner(network.Listen());
   TestActor actor([&] { return network.Connect(); }, "a");
   ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
-  const std::uint64_t in_play = actor.tickets.Take().value();
+  const std::uint64_t in_play = actor.tickets.Take().value().ticket;
   const std::vector<std::uint64_t> held = actor.tickets.Held();
   network.FilterToServer([](const std::string&) { return false; });
   ASSERT_TRUE(Eventually([&] { return learner.server->statistics().sessions_lost == 1; }));

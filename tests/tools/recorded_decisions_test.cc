@@ -125,9 +125,11 @@ TEST(RecordedDecisionsTest, MalformedRecordsAreErrors) {
   ExpectError(kind, "{}", "mode");
   ExpectError(kind, Replaced(line, "\"ffa\"", "\"solo\""),
               "mode solo, expected ffa, team or radio");
-  ExpectError(kind, Replaced(line, "\"board\":\"1", "\"board\":\""), "board has 120 characters");
+  ExpectError(kind, Replaced(line, "\"board\":\"1", "\"board\":\""),
+              "board of 120 cells, expected");
   ExpectError(kind, Replaced(line, "\"board\":\"1", "\"board\":\"9"), "board value 9");
-  ExpectError(kind, Replaced(line, "\"board\":\"1", "\"board\":\"-"), "board character '-'");
+  ExpectError(kind, Replaced(line, "\"board\":\"1", "\"board\":\"-"),
+              "board has a cell '-', expected");
   ExpectError(kind, Replaced(line, "\"position\":[9,7]", "\"position\":[9,6]"), "no agent");
   ExpectError(kind, Replaced(line, "\"id\":1", "\"id\":2"), "another");
   ExpectError(kind, Replaced(line, "[9,9]", "[9,12]"), "recent position 9,12");

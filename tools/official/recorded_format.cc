@@ -328,14 +328,16 @@ bool ReadLine(const Json& json, RecordedGame& game) {
 std::array<std::uint8_t, kCellCount> BoardNumbers(std::string_view digits, CellValue beyond) {
   const int size = digits.size() == kCellCount ? kBoardSize : kSmallBoardSize;
   if (static_cast<int>(digits.size()) != size * size) {
-    throw Error(StrCat("board of ", digits.size(), " cells"));
+    throw Error(StrCat("board of ", digits.size(), " cells, expected 121 or 64"));
   }
   std::array<std::uint8_t, kCellCount> numbers{};
   numbers.fill(static_cast<std::uint8_t>(beyond));
   int cell = 0;  // among those in play
   for (const char digit : digits) {
     const std::size_t number = kBoardDigits.find(digit);
-    if (number == std::string_view::npos) throw Error(StrCat("board has a cell '", digit, '\''));
+    if (number == std::string_view::npos) {
+      throw Error(StrCat("board has a cell '", digit, "', expected 0-9 or a-z"));
+    }
     numbers[CellAt(cell / size, cell % size)] = static_cast<std::uint8_t>(number);
     ++cell;
   }
