@@ -104,10 +104,10 @@ ServiceReply AgentService::Act(std::string_view body, Clock::time_point arrival)
   auto parsed = ParseActionRequest(body);
   const Clock::time_point understood = Clock::now();
   const std::lock_guard lock(mutex_);
-  if (const auto* refusal = std::get_if<Refusal>(&parsed)) return Refused(400, refusal->reason);
+  if (const auto* refusal = std::get_if<Refusal>(&parsed)) return NoMove(400, refusal->reason);
   auto& request = std::get<ActionRequest>(parsed);
   if (const std::string conflict = Conflict(request); !conflict.empty()) {
-    return Refused(409, conflict);
+    return NoMove(409, conflict);
   }
   Believe(request);
   const Clock::time_point deadline =
@@ -152,6 +152,13 @@ ServiceReply AgentService::Refused(int status, std::string_view reason) {
     log::Warn("request refused", "status", status, "reason", reason, "so_far", statistics_.refused);
   }
   return {.status = status, .body = Json{{"error", reason}}.dump()};
+}
+
+// Without an action the official runner ends the match, whatever the status.
+ServiceReply AgentService::NoMove(int status, std::string_view reason) {
+  ServiceReply reply = Refused(status, reason);
+  reply.body = Json{{"action", static_cast<int>(Action::kStop)}, {"error", reason}}.dump();
+  return reply;
 }
 
 std::string AgentService::Conflict(const ActionRequest& request) const {

@@ -75,7 +75,8 @@ class AgentService {
 
   // Does not wait for a request that is being served.
   [[nodiscard]] ServiceReply Ping() const;
-  // Each takes the body of the request. 400: not understood; 409: not now. What the evaluator
+  // Each takes the body of the request. 400: not understood; 409: not now; Act's refusals carry
+  // "action": 0 beside the error, so that the official runner plays on. What the evaluator
   // throws for a move is thrown here.
   [[nodiscard]] ServiceReply InitAgent(std::string_view body);
   [[nodiscard]] ServiceReply Act(std::string_view body, Clock::time_point arrival = Clock::now());
@@ -94,6 +95,8 @@ class AgentService {
   };
 
   [[nodiscard]] ServiceReply Refused(int status, std::string_view reason);
+  // Refused, with "stop" for the runner to play on with.
+  [[nodiscard]] ServiceReply NoMove(int status, std::string_view reason);
   // Why the request does not fit the last InitAgent; empty if it does.
   [[nodiscard]] std::string Conflict(const ActionRequest& request) const;
   // Says, once, what the observations of this runner do not say; counts its steps if they do not.

@@ -40,7 +40,7 @@ void ObserveIfAccepted(const std::string& body, const GameSettings& settings, Be
     return;
   }
   const auto& request = std::get<ActionRequest>(parsed);
-  if (!(request.settings == settings)) belief = Belief(request.settings, {});
+  if (!(request.settings == settings)) belief = Belief(request.settings);
   belief.Observe(request.observation);
   CHECK(belief.state().agents[request.observation.self].alive);
 }

@@ -121,7 +121,7 @@ TEST_F(AgentServiceTest, RefusesWhatIsOutOfOrder) {
   const auto service = Serve(0);
   const ServiceReply early = service->Act(Body(0, 0));
   EXPECT_EQ(early.status, 409);
-  EXPECT_EQ(early.body, R"({"error":"an action was asked for before /init_agent"})");
+  EXPECT_EQ(early.body, R"({"action":0,"error":"an action was asked for before /init_agent"})");
   EXPECT_EQ(service->EndEpisode(kReward).status, 409);
   (void)service->InitAgent(InitBody(1, Mode::kFreeForAll));
   EXPECT_THAT(service->Act(Body(0, 0)).body, HasSubstr("announced agent 1, the observation is of"));
@@ -140,7 +140,7 @@ TEST_F(AgentServiceTest, RefusesWhatItCannotRead) {
   (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
   const ServiceReply reply = service->Act("{}");
   EXPECT_EQ(reply.status, 400);
-  EXPECT_EQ(reply.body, R"({"error":"the key obs is missing"})");
+  EXPECT_EQ(reply.body, R"({"action":0,"error":"the key obs is missing"})");
   EXPECT_EQ(service->EndEpisode("[]").status, 400);
   EXPECT_EQ(service->Act(Body(0, 0)).status, 200) << "a bad request must not end the game";
 }

@@ -150,12 +150,12 @@ TEST(ConfigOfRun, KeepsWhatGamesAndWeightsAreOf) {
     EXPECT_EQ(changed(change), "no error");
   }
   EXPECT_EQ(changed("self_play.environment=PommeTeamCompetition-v0"),
-            "self_play.environment is \"PommeTeamCompetition-v0\", but this run began with "
-            "\"PommeFFACompetition-v0\"; expected a new run, or the same environment, "
+            "self_play.environment is PommeTeamCompetition-v0, but this run began with "
+            "PommeFFACompetition-v0; expected a new run, or the same environment, "
             "board_generator, corners, network: the other settings may change");
   EXPECT_THAT(changed("self_play.environment=OneVsOne-v0"), HasSubstr("this run began with"));
-  EXPECT_THAT(changed("self_play.board_generator=uniform"), HasSubstr("\"official\""));
-  EXPECT_THAT(changed("training.network=paper"), HasSubstr("training.network is \"paper\""));
+  EXPECT_THAT(changed("self_play.board_generator=uniform"), HasSubstr("began with official;"));
+  EXPECT_THAT(changed("training.network=paper"), HasSubstr("training.network is paper"));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <memory>
 #include <numeric>
+#include <array>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -51,6 +52,9 @@ class DeafPeer {
     greeting.resize(64);
     const std::string ready = std::string("\4\x1c\5READY\xbSocket-Type\0\0\0\6DEALER", 30);
     CHECK(Send(greeting) && Send(ready));
+    // Until the other side is ready too: what comes with the greeting may lie there unread.
+    std::array<char, 94> answer{};
+    CHECK(recv(socket_, answer.data(), answer.size(), MSG_PEEK | MSG_WAITALL) > 0);
   }
   // Resets the connection.
   ~DeafPeer() {

@@ -146,6 +146,7 @@ TEST(SelfPlayTest, PastPlayersUseThePastWeightsOfTheirGrant) {
   settings.self_play.evaluator = "auto";
   settings.self_play.players = {{.name = "me", .teaches = Teaches::kSearch},
                                 {.name = "past", .weights = PlayerSpec::Weights::kPast}};
+  settings.self_play.opponents.clear();
   settings.self_play.lineups = {{.seats = {"me", "past", "idle", "idle"}}};
   settings.draw_past = [] { return 3u; };
   settings.load_weights = [](std::uint32_t version) { return Serialize(*WeightsWithCanary(version)); };

@@ -142,7 +142,7 @@ TEST(SessionTest, ForgedGamesAreRejectedAndTheirTicketsGrantedAnew) {
   won.outcome.winners ^= 1;
   actor.Send(Seal(won, {}));
   GameRecord chosen = PlayTicket(QuickConfig(), actor.tickets.Take()->ticket);
-  chosen.setup.seed += 1;
+  chosen.actions.front().fill(Action::kBomb);
   actor.Send(Seal(chosen, {}));
   SealedGame damaged = SealedTicket(QuickConfig(), actor.tickets.Take()->ticket);
   damaged.record[damaged.record.size() / 2] ^= 4;
@@ -164,7 +164,7 @@ TEST(SessionTest, AnActorThatForgesOnIsRefusedForGood) {
   ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() >= 3; }));
   for (int i = 0; i < 3; ++i) {
     GameRecord record = PlayTicket(QuickConfig(), actor.tickets.Take()->ticket);
-    record.setup.seed += 1;
+    record.outcome.winners ^= 1;
     actor.Send(Seal(record, SettingsDigest(QuickConfig())));
   }
   ASSERT_TRUE(Eventually([&] { return actor.client->ended(); }));

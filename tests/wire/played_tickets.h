@@ -36,7 +36,9 @@ inline Action DecideAtRandom(const State& state, AgentId agent, Rng& rng, GameRe
   }
   const std::size_t chosen = actions[rng.Below(static_cast<std::uint32_t>(actions.size()))];
   decision.visits[chosen] = static_cast<std::uint16_t>(decision.visits[chosen] + 150);
-  record.tracks[agent].decisions.push_back(decision);
+  if (record.setup.seats[agent].teaches == Teaches::kSearch) {
+    record.tracks[agent].decisions.push_back(decision);
+  }
   return static_cast<Action>(chosen);
 }
 
