@@ -52,7 +52,6 @@ SearchSettings PaperSettings() {
   settings.memory = ModelMemory::kReset;
   settings.exploratory_start = 0.05;
   settings.step_limit = false;
-  settings.mate_value_on_death = false;
   settings.tree_reuse = false;
   return settings;
 }

@@ -64,7 +64,7 @@ struct LearnerLoopHooks {
 //         known.push_back(ticket);
 //         return loop.Wants(ticket);
 //       },
-//       [&](GameRecord&& game) { loop.Add(std::get<Lessons>(MakeLessons(game))); });
+//       [&](GameRecord&& game) { loop.Add(LessonsOf(game)); });   // MakeLessons, or an Error
 //   pass loop.Add(lessons) for each game that the intake made durable;
 //   Worker trainer("trainer", [&](const std::stop_token& stop) { loop.Run(stop); });
 // and let no more games be in play than loop.GamesWanted().

@@ -77,7 +77,7 @@ const std::vector<std::string>& OptionValues() {
       "draw_value=-0.5",
       "late_win_value=0",
       "step_limit=false",
-      "mate_value_on_death=false",
+      "mate_value_on_death=true",
       "terminal_solver=true",
       "terminal_solver=true,tree=two_player",
       "terminal_solver=true,leaves_per_batch=8",

@@ -129,14 +129,14 @@ TEST(Search, OwnDeathIsALossInFreeForAll) {
   EXPECT_FLOAT_EQ(RootValue(Quiet(30), {}, evaluator), -1);
 }
 
-TEST(Search, NetworkJudgesForTheMateAfterOwnDeath) {
+TEST(Search, OwnDeathIsHalfALossInTeamsOrTheNetworkJudgesForTheMate) {
   GameSettings team;
   team.mode = Mode::kTeam;
   ValueByViewer evaluator({0, 0, 0.75F, 0});
-  EXPECT_FLOAT_EQ(RootValue(Quiet(30), team, evaluator), 0.75F);
-  SearchSettings published = Quiet(30);
-  published.mate_value_on_death = false;
-  EXPECT_FLOAT_EQ(RootValue(published, team, evaluator), -0.5F);
+  EXPECT_FLOAT_EQ(RootValue(Quiet(30), team, evaluator), -0.5F);
+  SearchSettings judged = Quiet(30);
+  judged.mate_value_on_death = true;
+  EXPECT_FLOAT_EQ(RootValue(judged, team, evaluator), 0.75F);
 }
 
 TEST(Search, ValuesOfAnEnemysViewAreNegated) {

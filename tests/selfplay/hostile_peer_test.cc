@@ -177,6 +177,7 @@ TEST_F(HostilePeerTest, AFloodOfHellosCostsNobodyElseTheSession) {
   }
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);
   for (; std::chrono::steady_clock::now() < end; ++played_) ExpectServed(actor);
+  flood.clear();  // what it left unread is answered before the count is renewed
   EXPECT_TRUE(Eventually([&] { return GamesInSession("actor") == played_; })) << "not one session";
 }
 
