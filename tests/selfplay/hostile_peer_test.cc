@@ -162,9 +162,6 @@ TEST_F(HostilePeerTest, ManyLargeHellosAndAResetEndNobodyElse) {
 
 // The tick used to come only after 256 messages, at 20 ms each.
 TEST_F(HostilePeerTest, AFloodOfHellosCostsNobodyElseTheSession) {
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-  GTEST_SKIP() << "it is about time, of which sanitizers take many times as much";
-#endif
   TestActor actor([&] { return ConnectZmq(endpoint_, std::nullopt); });
   ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
   std::vector<std::jthread> flood;
