@@ -236,7 +236,8 @@ void WriteFile(const std::string& path, const std::string& text) {
 
 void Run(const Arguments& arguments) {
   const ContestSettings settings = SettingsOf(arguments);
-  std::vector<MatchLineup> lineups;  // all at once: a mistake should not surface after the first match
+  std::vector<MatchLineup>
+      lineups;  // all at once: a mistake should not surface after the first match
   for (const std::string& agent : arguments.agents) {
     lineups.push_back(LineupOf(agent, arguments, settings.match.game.mode));
   }

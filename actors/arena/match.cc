@@ -33,8 +33,7 @@ AgentId SeatOf(int role, int number, int seats) { return (role + number) % seats
 int GamesInFlight(const MatchSettings& settings, const MatchLineup& lineup) {
   if (settings.games_in_flight > 0) return settings.games_in_flight;
   constexpr int kWithModel = 16;
-  const bool plain =
-      std::ranges::all_of(lineup, &std::string::empty, &AgentSpec::model_file);
+  const bool plain = std::ranges::all_of(lineup, &std::string::empty, &AgentSpec::model_file);
   return plain ? 1 : kWithModel;
 }
 
@@ -118,8 +117,8 @@ std::string SavePosition(const State& state, const std::string& path) {
 // The games of one thread.
 class MatchThread final : public GameHost {
  public:
-  MatchThread(const MatchLineup& lineup, const MatchSettings& settings, const std::vector<int>& roles,
-              const ModelLoader& loader)
+  MatchThread(const MatchLineup& lineup, const MatchSettings& settings,
+              const std::vector<int>& roles, const ModelLoader& loader)
       : lineup_(lineup),
         settings_(settings),
         roles_(roles),
@@ -155,7 +154,8 @@ class MatchThread final : public GameHost {
     const int seats = SeatCount(settings_.game);
     for (int role = 0; role < seats; ++role) {
       const AgentId seat = SeatOf(role, *number, seats);
-      if (plan.setup.seats[seat].searches) plan.agents[seat] = {agents_.At(slot, seat, static_cast<std::size_t>(role)),
+      if (plan.setup.seats[seat].searches)
+        plan.agents[seat] = {agents_.At(slot, seat, static_cast<std::size_t>(role)),
                              models_.at(lineup_[role].model_file)};
     }
     return plan;

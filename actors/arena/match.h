@@ -55,7 +55,8 @@ struct Match {
 };
 
 // The setup of game `number`; depends on the seed of the match, not on the agents' strength.
-[[nodiscard]] GameSetup SetupOf(const MatchSettings& settings, const MatchLineup& lineup, int number);
+[[nodiscard]] GameSetup SetupOf(const MatchSettings& settings, const MatchLineup& lineup,
+                                int number);
 
 // Who looks on. Called one call at a time, from any thread.
 struct MatchObserver {

@@ -211,8 +211,8 @@ std::string HeatMapJson(const MatchSummary& summary) {
 }
 
 std::string ContenderJson(const Contender& contender) {
-  std::string text =
-      "{\"agent\": " + Escaped(contender.agent) + ", \"opponents\": " + Escaped(contender.opponents);
+  std::string text = "{\"agent\": " + Escaped(contender.agent) +
+                     ", \"opponents\": " + Escaped(contender.opponents);
   for (const Figure& figure : FiguresOf(contender)) {
     text += ", \"" + figure.name + "\": " + Number(figure.value, "null");
   }

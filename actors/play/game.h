@@ -29,10 +29,10 @@ struct GamePlan {
   std::array<SeatedAgent, kAgentCount> agents;  // there exactly where setup.seats[i].searches
 };
 
-// Plays GamePlans, one after the other, each until the environment is done or it EndsEarly. Rule-based
-// seats decide on the true position (their rules
-// look at nothing hidden) exactly as Verify re-runs them; the others see observations only. One
-// thread; the memory of the last game is reused.
+// Plays GamePlans, one after the other, each until the environment is done or it EndsEarly.
+// Rule-based seats decide on the true position (their rules look at nothing hidden) exactly as
+// Verify re-runs them; the others see observations only. One thread; the memory of the last game is
+// reused.
 class Game {
  public:
   void Start(const GamePlan& plan);
@@ -43,7 +43,8 @@ class Game {
   // Hands out the answers to the questions of the last Gather.
   void Scatter(EvaluationBatches& batches);
 
-  // Lets `model` answer the agents that take new weights from now on. Not between Gather and Scatter.
+  // Lets `model` answer the agents that take new weights from now on. Not between Gather and
+  // Scatter.
   void SetModel(const Model& model);
 
   [[nodiscard]] const GamePlan& plan() const { return plan_; }

@@ -17,8 +17,8 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-constexpr milliseconds kPoll{100};    // for a stop; everything else is notified
-constexpr milliseconds kReport{200};  // between two reports of a loop's progress
+constexpr milliseconds kPoll{100};           // for a stop; everything else is notified
+constexpr milliseconds kReport{200};         // between two reports of a loop's progress
 constexpr std::size_t kOtherEvaluators = 4;  // of past weights and of files, beside games in play
 
 bool IsUniform(const SelfPlayConfig& config) { return config.evaluator == "uniform"; }

@@ -32,8 +32,8 @@ class TicketHost final : public GameHost {
   TicketHost(const TicketHost&) = delete;
   TicketHost& operator=(const TicketHost&) = delete;
 
-  // Answers players of the newest weights in games that start from now on. Required before the first
-  // game.
+  // Answers players of the newest weights in games that start from now on. Required before the
+  // first game.
   void SetNewest(const Model& model) { newest_ = model; }
   [[nodiscard]] const Model& newest() const { return newest_; }
 

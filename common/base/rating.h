@@ -26,6 +26,7 @@ struct Rating {
 // minorisation and maximisation (Hunter 2004, eq. 3), a tie counting as half a win and half a loss.
 // Everybody is taken to have tied once with a player of mean strength, so that nobody is infinitely
 // strong. The interval is that of a player by itself, the others' strengths given.
-[[nodiscard]] std::vector<Rating> RatePlayers(std::size_t players, std::span<const PairScore> pairs);
+[[nodiscard]] std::vector<Rating> RatePlayers(std::size_t players,
+                                              std::span<const PairScore> pairs);
 
 }  // namespace powderkeg

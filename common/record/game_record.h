@@ -72,8 +72,8 @@ struct GameRecord {
   // The ticket the game was played for: its number in start order, and its identity.
   std::uint64_t ticket = 0;
   GameSetup setup;
-  std::string evaluator;              // Evaluator::name() of the first searching seat
-  std::vector<JointAction> actions;   // one per step; kStop for the dead
+  std::string evaluator;                  // Evaluator::name() of the first searching seat
+  std::vector<JointAction> actions;       // one per step; kStop for the dead
   std::array<Track, kAgentCount> tracks;  // by agent
   // After the last recorded step. If it is not done, no measured seat could win any more: all lost.
   Outcome outcome;
@@ -84,8 +84,8 @@ struct GameRecord {
 // Of all tracks.
 [[nodiscard]] std::size_t DecisionCount(const GameRecord& record);
 
-// Whether a game of this setup ends in `state` although the environment goes on: seats are measured,
-// and none of their sides lives.
+// Whether a game of this setup ends in `state` although the environment goes on: seats are
+// measured, and none of their sides lives.
 [[nodiscard]] bool EndsEarly(const GameSetup& setup, const State& state);
 
 // +1 win, 0 tie, -1 loss of `agent` in the recorded game, officially. Where the game was not played
@@ -93,8 +93,8 @@ struct GameRecord {
 [[nodiscard]] int OutcomeFor(const GameRecord& record, AgentId agent);
 
 // Looks on while a record is played again: called once per step, with the position that was decided
-// on (before a collapse; in radio games with the words that led to it, which follow from the record)
-// and what everybody did there.
+// on (before a collapse; in radio games with the words that led to it, which follow from the
+// record) and what everybody did there.
 using StepObserver = std::function<void(const State& state, const JointAction& actions)>;
 
 // Regenerates the start, re-runs the rule-based seats, steps the recorded actions and checks every

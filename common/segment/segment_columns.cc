@@ -166,7 +166,8 @@ class GameReader {
                     .actions = NextActions(),
                     .tracks = {},
                     .outcome = OutcomeAt(games, row_)};
-    for (std::uint8_t agent = 0; agent < kAgentCount; ++agent) game.tracks[agent] = NextTrack(agent);
+    for (std::uint8_t agent = 0; agent < kAgentCount; ++agent)
+      game.tracks[agent] = NextTrack(agent);
     ++row_;
     return game;
   }

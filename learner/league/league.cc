@@ -24,7 +24,8 @@ MatchScore Mirrored(const MatchScore& score) {
 }
 
 MatchScore ScoreOf(int outcome) {
-  return {.wins = outcome > 0 ? 1u : 0, .ties = outcome == 0 ? 1u : 0, .losses = outcome < 0 ? 1u : 0};
+  return {
+      .wins = outcome > 0 ? 1u : 0, .ties = outcome == 0 ? 1u : 0, .losses = outcome < 0 ? 1u : 0};
 }
 
 // Of the first: +1, 0, -1; nullopt where it is not known.
@@ -53,7 +54,8 @@ std::optional<Number> Parse(std::string_view text) {
 
 // What Contestant::name() wrote.
 Contestant Named(const std::string& name) {
-  if (const auto version = name.starts_with("v") ? Parse<std::uint32_t>(name.substr(1)) : std::nullopt) {
+  if (const auto version =
+          name.starts_with("v") ? Parse<std::uint32_t>(name.substr(1)) : std::nullopt) {
     return {.player = "", .version = *version};
   }
   return {.player = name, .version = 0};
@@ -116,8 +118,8 @@ std::uint32_t League::DrawPast(std::uint32_t oldest, std::uint32_t newest, Rng& 
   std::vector<double> weights;
   for (const auto& [version, score] : ours) {
     const auto games = static_cast<double>(score.games());
-    const double p = (static_cast<double>(score.wins) + 0.5 * static_cast<double>(score.ties) + 1) /
-                     (games + 2);
+    const double p =
+        (static_cast<double>(score.wins) + 0.5 * static_cast<double>(score.ties) + 1) / (games + 2);
     weights.push_back((1 - p) * (1 - p));
   }
   double left = rng.Uniform() * std::accumulate(weights.begin(), weights.end(), 0.0);

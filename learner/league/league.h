@@ -44,8 +44,8 @@ class League {
   // The results of an iteration, durable when it returns. Throws Error.
   void Add(int iteration, std::span<const GameResult> results);
 
-  // The version to meet of those from `oldest` to before `newest`: from newest - 1, - 2, - 4, ..., the
-  // more likely the less newer versions won against it, as (1 - p)^2 (prioritised fictitious
+  // The version to meet of those from `oldest` to before `newest`: from newest - 1, - 2, - 4, ...,
+  // the more likely the less newer versions won against it, as (1 - p)^2 (prioritised fictitious
   // self-play, Vinyals et al. 2019). 0: there is none.
   [[nodiscard]] std::uint32_t DrawPast(std::uint32_t oldest, std::uint32_t newest, Rng& rng) const;
 
@@ -53,7 +53,7 @@ class League {
   [[nodiscard]] std::vector<RatedContestant> Ratings() const;
 
  private:
-  using Pair = std::pair<Contestant, Contestant>;  // ascending
+  using Pair = std::pair<Contestant, Contestant>;                               // ascending
   using Table = std::map<std::tuple<int, Contestant, Contestant>, MatchScore>;  // by iteration
 
   [[nodiscard]] Contestant ContestantOf(const Finish& finish) const;

@@ -103,8 +103,9 @@ class Teacher {
       if (version < kFirstFileVersion) newest = std::max(newest, version);
       if (!seat(agent).measured) continue;
       const int outcome = OutcomeFor(game_, agent);
-      ++(outcome > 0 ? summary.score.wins
-                     : outcome < 0 ? summary.score.losses : summary.score.ties);
+      ++(outcome > 0   ? summary.score.wins
+         : outcome < 0 ? summary.score.losses
+                       : summary.score.ties);
     }
     summary.games = 1;
     summary.decisions = lessons_.samples.size();
@@ -132,7 +133,8 @@ PlaySummary& PlaySummary::operator+=(const PlaySummary& other) {
 }
 
 void DataSet::Add(Lessons&& lessons, Part part) {
-  std::ranges::move(lessons.samples, std::back_inserter(part == Part::kTraining ? samples : held_out));
+  std::ranges::move(lessons.samples,
+                    std::back_inserter(part == Part::kTraining ? samples : held_out));
   play += lessons.play;
   exam += lessons.exam;
   results.push_back(lessons.result);

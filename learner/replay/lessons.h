@@ -76,8 +76,8 @@ struct DataSet {
 };
 
 // Re-plays the game and has every teaching seat's Belief look on. z is the official result, but -1
-// for whoever was dead before the last step of a free-for-all that ends in a tie. Returns the reason
-// for refusal if the record does not verify. Never throws, safe on records from peers.
+// for whoever was dead before the last step of a free-for-all that ends in a tie. Returns the
+// reason for refusal if the record does not verify. Never throws, safe on records from peers.
 [[nodiscard]] std::variant<Lessons, std::string> MakeLessons(const GameRecord& game);
 
 }  // namespace powderkeg

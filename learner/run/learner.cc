@@ -164,7 +164,7 @@ std::uint32_t Learner::DrawPast() {
 }
 
 // Empty: there are none.
-std::vector<std::uint8_t> Learner::LoadWeights(std::uint32_t version) const {
+std::vector<std::uint8_t> Learner::LoadWeights(std::uint32_t version) {
   try {
     if (version < kFirstFileVersion) return ReadFileBytes(WeightsPath(folder_, version));
     const std::size_t player = version - kFirstFileVersion;
@@ -173,7 +173,9 @@ std::vector<std::uint8_t> Learner::LoadWeights(std::uint32_t version) const {
     snapshot.version = version;
     return Serialize(snapshot);
   } catch (const Error& error) {
-    log::Warn("weights cannot be served", "version", version, "reason", error.what());
+    if (log_budget_.Spend()) {
+      log::Warn("weights cannot be served", "version", version, "reason", error.what());
+    }
     return {};
   }
 }

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/log_budget.h"
 #include "common/http/http_server.h"
 #include "common/record/game_setup.h"
 #include "learner/intake/session_server.h"
@@ -51,7 +52,7 @@ class Learner {
   [[nodiscard]] LearnerLoopHooks LoopHooks();
   [[nodiscard]] std::vector<std::uint64_t> LoadGames();
   [[nodiscard]] std::uint32_t DrawPast();
-  [[nodiscard]] std::vector<std::uint8_t> LoadWeights(std::uint32_t version) const;
+  [[nodiscard]] std::vector<std::uint8_t> LoadWeights(std::uint32_t version);
   void ServeActors(const LearnerSettings& settings, std::span<const std::uint64_t> known);
   void ServeHttp(const HttpServerSettings& settings);
   void Append(const std::vector<GameRecord>& games, std::vector<Lessons> lessons);
@@ -73,7 +74,8 @@ class Learner {
   LearnerLoop loop_;
   IterationHistory history_;
   League league_;
-  Rng past_rng_;                           // of the io thread
+  Rng past_rng_;  // of the io thread, as the next
+  log::Budget log_budget_;
   std::unique_ptr<SessionServer> server_;  // its threads use what stands above
   std::optional<HttpServer> http_;         // and so do its
 };

@@ -94,7 +94,8 @@ TEST_F(ArenaProgram, RefusesUnknownAgentsAndOptions) {
   ExpectRefused("--agent random:x=1", "agent random: options \"x=1\": it has none");
   ExpectRefused("--agent search:depth=3", "there is no setting search:depth; did you mean");
   ExpectRefused("--agent search:depth", "expected OPTION=VALUE");
-  ExpectRefused("--agent search:tree=three_player", "search:tree is three_player; expected one of one_player");
+  ExpectRefused("--agent search:tree=three_player",
+                "search:tree is three_player; expected one of one_player");
   ExpectRefused("--agent random --opponents idle nobody", "unknown agent nobody");
   ExpectRefused("--agent raw", "no model: expected raw:model=FILE");
   ExpectRefused("", "--agent is required");

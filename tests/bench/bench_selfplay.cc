@@ -35,7 +35,8 @@ class Loop {
  public:
   Loop()
       : outbox_(spool_.path(), /*limit_bytes=*/std::size_t{1} << 30),
-        host_(welcome_, tickets_, outbox_, [] {}, [](std::uint32_t) { return std::nullopt; }),
+        host_(
+            welcome_, tickets_, outbox_, [] {}, [](std::uint32_t) { return std::nullopt; }),
         games_(host_, host_.settings(), welcome_.self_play.games_in_flight) {
     std::vector<std::uint64_t> tickets(kTickets);
     std::iota(tickets.begin(), tickets.end(), std::uint64_t{0});

@@ -251,8 +251,7 @@ TEST(ThinkerOfASearch, KnowsTheGameAfterMovesThatWereCutShort) {
   for (std::uint64_t seed = 1; briefings.size() < kSteps; ++seed) {
     briefings = RecordedGame(settings, kSteps, seed);
   }
-  const AgentSpec agent =
-      ParseAgent("search:simulations=60,leaves_per_batch=1,tree_reuse=false");
+  const AgentSpec agent = ParseAgent("search:simulations=60,leaves_per_batch=1,tree_reuse=false");
   const auto evaluator = std::make_shared<GatedEvaluator>();
   Thinker disturbed(MakeAgent(agent), evaluator);
   Thinker undisturbed(MakeAgent(agent), std::make_shared<UniformEvaluator>());

@@ -19,7 +19,9 @@ const std::vector<std::string> kPlayers = {"me", "past", "script"};
 GameResult Free(std::array<Finish, kAgentCount> finishes, std::uint8_t winners, bool done = true) {
   return {finishes,
           {.done = done,
-           .result = !done ? Result::kIncomplete : winners != 0 ? Result::kWin : Result::kTie,
+           .result = !done          ? Result::kIncomplete
+                     : winners != 0 ? Result::kWin
+                                    : Result::kTie,
            .winners = winners,
            .rewards = {}}};
 }

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-
 #include "common/base/check.h"
 #include "common/base/worker.h"
 #include "learner/replay/store.h"

@@ -223,7 +223,8 @@ class Notes final : public ContestWatcher {
 
 TEST(Contest, PlaysEveryAgentOnTheSameBoards) {
   Notes notes;
-  const std::vector<MatchLineup> lineups = {LineupOf("idle", "random"), LineupOf("random", "random")};
+  const std::vector<MatchLineup> lineups = {LineupOf("idle", "random"),
+                                            LineupOf("random", "random")};
   const auto results = PlayContest(lineups, ContestOf(8), kNoModels, notes);
   ASSERT_EQ(results.size(), 2u);
   for (int game = 0; game < 8; ++game) {
@@ -237,7 +238,7 @@ TEST(Contest, PlaysEveryAgentOnTheSameBoards) {
 TEST(Contest, AnswersAWinRateForEachAgentOnItsOwn) {
   Notes notes;
   const std::vector<MatchLineup> lineups = {LineupOf("simple_unbiased", "idle"),
-                                       LineupOf("idle", "simple_unbiased")};
+                                            LineupOf("idle", "simple_unbiased")};
   ContestSettings settings = ContestOf(5000, "win_rate=0.3..0.6", 10);
   settings.match.threads = 2;
   const auto results = PlayContest(lineups, settings, kNoModels, notes);
@@ -258,7 +259,7 @@ TEST(Contest, AnswersAWinRateForEachAgentOnItsOwn) {
 TEST(Contest, AnswersAScoreDifferenceWithTheTwoTakingTurns) {
   Notes notes;
   const std::vector<MatchLineup> lineups = {LineupOf("simple_unbiased", "simple_unbiased"),
-                                       LineupOf("random", "simple_unbiased")};
+                                            LineupOf("random", "simple_unbiased")};
   const ContestSettings settings = ContestOf(5000, "score_difference=-0.2..0", 30);
   const auto results = PlayContest(lineups, settings, kNoModels, notes);
   EXPECT_EQ(results[0].test, std::nullopt);
@@ -271,7 +272,8 @@ TEST(Contest, AnswersAScoreDifferenceWithTheTwoTakingTurns) {
 
 TEST(Contest, LeavesAQuestionOpenAfterTheLastGame) {
   Notes notes;
-  const std::vector<MatchLineup> lineups = {LineupOf("random", "random"), LineupOf("random", "random")};
+  const std::vector<MatchLineup> lineups = {LineupOf("random", "random"),
+                                            LineupOf("random", "random")};
   const ContestSettings settings = ContestOf(60, "score_difference=0..0.01", 20);
   const auto results = PlayContest(lineups, settings, kNoModels, notes);
   EXPECT_EQ(results[1].test->answer, Answer::kOpen);

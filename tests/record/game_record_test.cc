@@ -170,7 +170,8 @@ TEST(GameRecordTest, OtherSeedsStartsAndSettingsAreRefused) {
   ExpectRefused([](GameRecord& r) { r.setup.settings.collapse_steps = {2, 3, 4, 5}; }, "step");
   ExpectRefused([](GameRecord& r) { r.setup.seats[1].policy = PolicyKind::kIdle; },
                 "but idle plays");
-  ExpectRefused([](GameRecord& r) { r.setup.seats[0].searches = false; }, "which teaches no search");
+  ExpectRefused([](GameRecord& r) { r.setup.seats[0].searches = false; },
+                "which teaches no search");
 }
 
 TEST(GameRecordTest, SettingsOutOfRangeAreRefused) {
@@ -241,7 +242,8 @@ TEST(GameRecordTest, DecisionsMayHaveNoPolicyButMustHaveAValue) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   for (const float value : {1.01f, -1.01f, kNan, kInfinity, -kInfinity}) {
-    ExpectRefused([&](GameRecord& r) { r.tracks[0].decisions[4].value = value; }, "expected -1 to 1");
+    ExpectRefused([&](GameRecord& r) { r.tracks[0].decisions[4].value = value; },
+                  "expected -1 to 1");
   }
 }
 

@@ -4,9 +4,9 @@
 
 #include "common/pommerman/belief.h"
 #include "common/pommerman/step.h"
-#include "tools/official/recorded_format.h"
 #include "common/record/rule_based_seat.h"
 #include "tests/search/search_support.h"
+#include "tools/official/recorded_format.h"
 
 namespace powderkeg {
 namespace {

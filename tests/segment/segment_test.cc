@@ -115,7 +115,8 @@ TEST(SegmentTest, ValuesOutOfRangeAreRefused) {
   EXPECT_THAT(reason([](auto& c) { c.games.seed.pop_back(); }), HasSubstr("games/seed has 7 rows"));
   EXPECT_THAT(reason([](auto& c) { c.games.step_count[7] += 1; }), HasSubstr("ends within"));
   EXPECT_THAT(reason([](auto& c) { c.games.step_count[7] -= 1; }), HasSubstr("goes on"));
-  EXPECT_THAT(reason([](auto& c) { c.games.decision_count[1][0] += 1; }), HasSubstr("out of order"));
+  EXPECT_THAT(reason([](auto& c) { c.games.decision_count[1][0] += 1; }),
+              HasSubstr("out of order"));
   EXPECT_THAT(reason([](auto& c) { c.steps.actions[0] = 6; }), HasSubstr("action above 5"));
   EXPECT_THAT(reason([](auto& c) { c.decisions.agent[0] = 4; }), HasSubstr("out of order"));
   EXPECT_THAT(reason([](auto& c) { c.games.seat_teaches[0][1] = 3; }), HasSubstr("seat_teaches"));

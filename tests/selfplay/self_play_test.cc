@@ -149,7 +149,9 @@ TEST(SelfPlayTest, PastPlayersUseThePastWeightsOfTheirGrant) {
   settings.self_play.opponents.clear();
   settings.self_play.lineups = {{.seats = {"me", "past", "idle", "idle"}}};
   settings.draw_past = [] { return 3u; };
-  settings.load_weights = [](std::uint32_t version) { return Serialize(*WeightsWithCanary(version)); };
+  settings.load_weights = [](std::uint32_t version) {
+    return Serialize(*WeightsWithCanary(version));
+  };
   TestLearner learner(network.Listen(), settings);
   RunningActor actor(network, [](const SelfPlayConfig&, const Snapshot&) {
     return std::make_unique<FakeNetwork>(0.25F);
