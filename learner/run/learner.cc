@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <thread>
+#include <unordered_set>
 #include <utility>
 #include <variant>
 
@@ -13,6 +14,7 @@
 #include "common/base/unique.h"
 #include "common/base/worker.h"
 #include "common/config/config.h"
+#include "common/record/ticket_set.h"
 #include "common/wire/zmq_transport.h"
 #include "learner/report/dashboard.h"
 #include "learner/report/figures.h"
@@ -77,7 +79,7 @@ Learner::Learner(const LearnerSettings& settings)
       games_(config_.self_play),
       store_(settings.folder / "replay"),
       loop_(LoopSettings(settings), LoopHooks()),
-      history_(settings.folder / "iterations.csv", loop_.progress().iteration),
+      history_(settings.folder / "iterations.csv", loop_.progress().iteration, loop_.table()),
       league_(settings.folder / "league.csv", NamesOfPlayers(games_), loop_.progress().iteration),
       past_rng_(UniqueNumber()) {
   CheckWeightsFiles(games_);
@@ -133,8 +135,8 @@ LearnerLoopHooks Learner::LoopHooks() {
   return {.publish = [this](const Snapshot& snapshot) { server_->Publish(snapshot); },
           .iteration_trained =
               [this](const IterationReport& report, std::span<const GameResult> results) {
-                history_.Append(report);
                 league_.Add(report.iteration, results);
+                return history_.Append(report);
               },
           .iteration_done =
               [this](const IterationReport& report) {
@@ -147,14 +149,18 @@ LearnerLoopHooks Learner::LoopHooks() {
 
 // The tickets of the games stored so far; those that are still needed go to the loop.
 std::vector<std::uint64_t> Learner::LoadGames() {
-  std::vector<std::uint64_t> known;
-  store_.Load(
-      [&](std::uint64_t ticket) {
-        known.push_back(ticket);
-        return loop_.Wants(ticket);
-      },
-      [&](GameRecord&& game) { loop_.Add(LessonsOf(game)); });
-  return known;
+  std::vector<std::uint64_t> stored =
+      store_.Load([&](std::uint64_t ticket) { return loop_.Wants(ticket); },
+                  [&](GameRecord&& game) { loop_.Add(LessonsOf(game)); });
+  std::vector<std::uint64_t> lost = store_.lost_tickets();
+  const std::unordered_set<std::uint64_t> elsewhere(stored.begin(), stored.end());
+  std::erase_if(lost, [&](std::uint64_t ticket) { return elsewhere.contains(ticket); });
+  if (lost.empty()) return stored;
+  std::vector<std::uint64_t> again = lost;
+  std::erase_if(again, [&](std::uint64_t ticket) { return ticket < loop_.next_ticket(); });
+  log::Warn("games were lost in damaged segments", "tickets", TicketsText(std::move(lost)),
+            "played_again", TicketsText(std::move(again)));
+  return stored;
 }
 
 // Untrained weights, version 1, are not met: nobody plays by them.
