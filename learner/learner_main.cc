@@ -1,7 +1,5 @@
 // The learner: takes games in, trains, hands weights out, until the run's iterations are done.
 
-#include <sys/resource.h>
-
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <exception>
@@ -9,6 +7,7 @@
 #include <iostream>
 #include <string>
 
+#include "common/base/descriptors.h"
 #include "common/base/log.h"
 #include "common/config/config.h"
 #include "learner/report/dashboard.h"
@@ -26,14 +25,6 @@ struct Options {
   std::string log_level = "info";
   bool check = false;
 };
-
-// Every peer takes a file, and without one left nothing could be stored.
-void AllowManyFiles() {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-  limit.rlim_cur = limit.rlim_max;
-  setrlimit(RLIMIT_NOFILE, &limit);
-}
 
 void AddOptions(CLI::App& app, Options& options) {
   options.learner.listen = "tcp://127.0.0.1:5555";
@@ -78,7 +69,7 @@ int Main(int argc, char** argv) {
   AddOptions(app, options);
   CLI11_PARSE(app, argc, argv);
 
-  AllowManyFiles();
+  AllowManyDescriptors();
   std::signal(SIGINT, [](int) { stop_signal = 1; });
   std::signal(SIGTERM, [](int) { stop_signal = 1; });
   std::signal(SIGHUP, [](int) { stop_signal = 1; });

@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "common/base/check.h"
+#include "common/base/descriptors.h"
 #include "common/base/log.h"
 
 namespace powderkeg {
@@ -27,7 +28,9 @@ constexpr std::size_t kReadBytes = std::size_t{1} << 20;
 // A file descriptor that is closed whatever happens.
 class Descriptor {
  public:
-  Descriptor(const fs::path& path, int flags) : path_(path), fd_(open(path.c_str(), flags, 0644)) {
+  Descriptor(const fs::path& path, int flags) : path_(path) {
+    const ReservedDescriptors reserved;
+    fd_ = open(path.c_str(), flags, 0644);
     if (fd_ < 0) Fail("open", path_, errno);
   }
   ~Descriptor() {
@@ -132,6 +135,7 @@ void PrepareFolder(const fs::path& folder) {
 }
 
 std::vector<fs::path> FilesIn(const fs::path& folder) {
+  const ReservedDescriptors reserved;
   std::vector<fs::path> paths;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
