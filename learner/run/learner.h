@@ -17,6 +17,7 @@
 #include "common/http/http_server.h"
 #include "common/record/game_setup.h"
 #include "learner/intake/session_server.h"
+#include "learner/league/exams.h"
 #include "learner/league/league.h"
 #include "learner/replay/store.h"
 #include "learner/report/display.h"
@@ -50,6 +51,8 @@ class Learner {
  private:
   [[nodiscard]] LearnerLoopSettings LoopSettings(const LearnerSettings& settings) const;
   [[nodiscard]] LearnerLoopHooks LoopHooks();
+  // Where there are several.
+  void ShowExams(int iteration);
   [[nodiscard]] std::vector<std::uint64_t> LoadGames();
   [[nodiscard]] std::uint32_t DrawPast();
   [[nodiscard]] std::vector<std::uint8_t> LoadWeights(std::uint32_t version);
@@ -74,6 +77,7 @@ class Learner {
   LearnerLoop loop_;
   IterationHistory history_;
   League league_;
+  Exams exams_;
   Rng past_rng_;  // of the io thread, as the next
   log::Budget log_budget_;
   std::unique_ptr<SessionServer> server_;  // its threads use what stands above
