@@ -69,16 +69,18 @@ int Main(int argc, char** argv) {
   AddOptions(app, options);
   CLI11_PARSE(app, argc, argv);
 
-  AllowManyDescriptors();
   std::signal(SIGINT, [](int) { stop_signal = 1; });
   std::signal(SIGTERM, [](int) { stop_signal = 1; });
   std::signal(SIGHUP, [](int) { stop_signal = 1; });
+  std::signal(SIGPIPE, SIG_IGN);  // nobody watches the display any more
   try {
+    AllowManyDescriptors();
     options.learner.http = DashboardServer(options.http);
     CheckRun(options.learner.folder, options.learner.config, options.learner.changes);
     if (options.check) return 0;
     const std::filesystem::path logs = options.learner.folder / "log";
     std::filesystem::create_directories(logs);
+    const RunLock lock(options.learner.folder);  // before anything of another's is written
     log::Init((logs / "learner.log").string(), log::LevelFor(options.log_level),
               /*console=*/log::Level::kWarn);  // the display shows the rest
     Learner(options.learner).Run([] { return stop_signal != 0; });

@@ -2,13 +2,15 @@
 
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <mutex>
+
+#include "common/base/check.h"
 
 namespace powderkeg {
 namespace {
 
 constexpr rlim_t kReserve = 64;
+constexpr rlim_t kFewest = 160;
 
 // The process's, as its limit is.
 std::mutex mutex;     // guards what follows
@@ -26,7 +28,11 @@ void SetLimit(rlim_t limit) {
 void AllowManyDescriptors() {
   const std::lock_guard lock(mutex);
   if (getrlimit(RLIMIT_NOFILE, &unreserved) != 0) return;
-  unreserved.rlim_cur = unreserved.rlim_max - std::min(kReserve, unreserved.rlim_max / 4);
+  if (unreserved.rlim_max < kFewest) {
+    throw Error(StrCat("this process may have ", unreserved.rlim_max,
+                       " descriptors (ulimit -n); expected at least ", kFewest));
+  }
+  unreserved.rlim_cur = unreserved.rlim_max - kReserve;
   SetLimit(unreserved.rlim_cur);
 }
 

@@ -7,7 +7,7 @@
 namespace powderkeg {
 
 // Raises the process's limit as far as it may, but for a reserve that is there within
-// ReservedDescriptors alone.
+// ReservedDescriptors alone. Throws Error if they are too few to work with.
 void AllowManyDescriptors();
 
 // How many the process may have.

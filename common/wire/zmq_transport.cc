@@ -2,6 +2,8 @@
 
 #include <netdb.h>
 #include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -65,6 +67,20 @@ void ExpectPort(const std::string& endpoint) {
                       port.find_first_not_of("0123456789") == std::string::npos;
   if (port == "*" || (number && std::stoi(port) <= 65'535)) return;
   throw Error(StrCat("the port of ", endpoint, " is \"", port, "\"; expected 0 to 65535"));
+}
+
+// ZeroMQ takes the path of an ipc address from whoever listens there.
+void ExpectNobodyListens(const std::string& endpoint) {
+  constexpr std::string_view kIpc = "ipc://";
+  sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};
+  const std::string path = endpoint.substr(std::min(kIpc.size(), endpoint.size()));
+  if (!endpoint.starts_with(kIpc) || path.size() >= sizeof address.sun_path) return;
+  path.copy(address.sun_path, path.size());
+  const int peer = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const auto* any = reinterpret_cast<const sockaddr*>(&address);
+  const bool taken = connect(peer, any, sizeof address) == 0;
+  close(peer);
+  if (taken) throw Error(StrCat("cannot listen on ", endpoint, ": somebody else does"));
 }
 
 // Waits until the socket has a message. False: time is up or the waker was notified.
@@ -209,6 +225,7 @@ class ZmqServer final : public ServerChannel {
     socket_.set(zmq::sockopt::router_mandatory, 1);
     if (settings.keys) UseKeys(*settings.keys);
     ExpectPort(settings.endpoint);
+    ExpectNobodyListens(settings.endpoint);
     try {
       socket_.bind(settings.endpoint);
     } catch (const zmq::error_t& error) {

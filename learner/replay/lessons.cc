@@ -46,6 +46,7 @@ class Teacher {
       lessons_.result.finishes[agent] = FinishOf(agent);
     }
     lessons_.result.outcome = game_.outcome;
+    lessons_.result.lineup = game_.setup.lineup;
     lessons_.ticket = game_.ticket;
     return std::move(lessons_);
   }
@@ -93,7 +94,15 @@ class Teacher {
     return {.player = seat(agent).player,
             .weights_version = game_.tracks[agent].weights_version,
             .mate = TeamMateOf(settings().mode, agent),
-            .lasted = lived_[agent]};
+            .lasted = lived_[agent],
+            .counts = Counts(agent),
+            .outcome = static_cast<std::int8_t>(OutcomeFor(game_, agent))};
+  }
+
+  // Once for each measured side: of two measured mates the first.
+  [[nodiscard]] bool Counts(AgentId agent) const {
+    const AgentId mate = TeamMateOf(settings().mode, agent);
+    return seat(agent).measured && !(mate >= 0 && mate < agent && seat(mate).measured);
   }
 
   void Summarize(PlaySummary& summary) const {
@@ -101,11 +110,7 @@ class Teacher {
     for (AgentId agent = 0; agent < kAgentCount; ++agent) {
       const std::uint32_t version = game_.tracks[agent].weights_version;
       if (version < kFirstFileVersion) newest = std::max(newest, version);
-      if (!seat(agent).measured) continue;
-      const int outcome = OutcomeFor(game_, agent);
-      ++(outcome > 0   ? summary.score.wins
-         : outcome < 0 ? summary.score.losses
-                       : summary.score.ties);
+      if (Counts(agent)) summary.score.Add(OutcomeFor(game_, agent));
     }
     summary.games = 1;
     summary.decisions = lessons_.samples.size();

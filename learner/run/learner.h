@@ -17,6 +17,7 @@
 #include "common/http/http_server.h"
 #include "common/record/game_setup.h"
 #include "learner/intake/session_server.h"
+#include "learner/league/exams.h"
 #include "learner/league/league.h"
 #include "learner/replay/store.h"
 #include "learner/report/display.h"
@@ -40,7 +41,7 @@ struct LearnerSettings {
 
 class Learner {
  public:
-  // Takes the run, loads its games and opens its doors. Throws Error.
+  // Loads the games of the run, whose RunLock the caller holds, and opens its doors. Throws Error.
   explicit Learner(const LearnerSettings& settings);
 
   // Returns when every iteration is done or `stop_wanted`, asked twice a second, says so. Throws
@@ -50,6 +51,8 @@ class Learner {
  private:
   [[nodiscard]] LearnerLoopSettings LoopSettings(const LearnerSettings& settings) const;
   [[nodiscard]] LearnerLoopHooks LoopHooks();
+  // Where there are several.
+  void ShowExams(int iteration);
   [[nodiscard]] std::vector<std::uint64_t> LoadGames();
   [[nodiscard]] std::uint32_t DrawPast();
   [[nodiscard]] std::vector<std::uint8_t> LoadWeights(std::uint32_t version);
@@ -64,7 +67,6 @@ class Learner {
   const std::filesystem::path folder_;
   const std::string name_;
   const std::time_t started_ = std::time(nullptr);
-  RunLock lock_;
   RunConfig config_;
   const RunGames games_;
   Display display_;
@@ -74,6 +76,7 @@ class Learner {
   LearnerLoop loop_;
   IterationHistory history_;
   League league_;
+  Exams exams_;
   Rng past_rng_;  // of the io thread, as the next
   log::Budget log_budget_;
   std::unique_ptr<SessionServer> server_;  // its threads use what stands above

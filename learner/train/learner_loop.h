@@ -47,10 +47,10 @@ struct LearnerLoopHooks {
   // then per iteration.
   std::function<void(const Snapshot&)> publish = [](const Snapshot&) {};
   // Before the checkpoint of an iteration, without which it is repeated, and reported again: what
-  // is written of it here is there once it counts as complete. The checkpoint keeps what it
-  // returns.
-  std::function<std::string(const IterationReport&, std::span<const GameResult>)>
-      iteration_trained = [](const IterationReport&, std::span<const GameResult>) { return ""; };
+  // is written of it here is there once it counts as complete. May add to the report; the
+  // checkpoint keeps what it returns.
+  std::function<std::string(IterationReport&, std::span<const GameResult>)> iteration_trained =
+      [](IterationReport&, std::span<const GameResult>) { return std::string(); };
   // After an iteration is complete and durable: a good moment to have the store merged (by the
   // store's own thread).
   std::function<void(const IterationReport&)> iteration_done = [](const IterationReport&) {};
@@ -125,6 +125,7 @@ class LearnerLoop {
   void RestoreWindow();
   // Waits for the games of the next iteration; nullopt if stopped.
   [[nodiscard]] std::optional<DataSet> NextDataSet(const std::stop_token& stop);
+  [[nodiscard]] bool IsOfItsIteration(const Lessons& game) const;
   [[nodiscard]] DataSet TakeDataSet(const TicketRange& range);
   [[nodiscard]] DataSet::Part PartOf(std::uint64_t ticket) const;
   // One iteration on its data set; false if stopped.
