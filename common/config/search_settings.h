@@ -38,6 +38,8 @@ enum class OpponentModel : std::uint8_t {
   kHarmless,
   kSimpleUnbiased,
   kOfficialSimple,
+  kPredicted,   // what the evaluation of the position foretells of it: asks nothing more. Nothing
+                // (a stop) where the network foretells nobody or the agent is out of sight
   kRawNetwork,  // argmax of the network's policy for that agent over its legal actions
   kObserved,    // the rule-based policy that foretold its actions in this game best so far
 };
@@ -77,6 +79,9 @@ struct SearchSettings {
 // the searches are full ones and teach a policy, with forced playouts that are pruned from the
 // target; the others are short.
 [[nodiscard]] SearchSettings KataGoSettings();
+
+// Whether somebody's model is kPredicted.
+[[nodiscard]] bool Predicts(const SearchSettings& settings);
 
 // The same search as strong as it can play: no noise, no drawing of moves, no short searches.
 [[nodiscard]] SearchSettings WithoutExploration(SearchSettings settings);

@@ -31,10 +31,19 @@ std::vector<std::string> NamesOfPlayers(const RunGames& games) {
   return names;
 }
 
-// Throws Error where a player's weights cannot be read.
-void CheckWeightsFiles(const RunGames& games) {
+// Throws Error where a player's weights cannot be read, or foretell nobody though its search asks.
+void CheckWeights(const RunGames& games, const std::string& network) {
   for (const Player& player : games.players()) {
-    if (player.weights == PlayerSpec::Weights::kFile) (void)LoadModel(player.weights_file);
+    NetworkDescription description = NetworkByName(network);
+    if (player.weights == PlayerSpec::Weights::kFile) {
+      description = LoadModel(player.weights_file)->description;
+    }
+    const bool predicts =
+        player.agent.kind == AgentSpec::Kind::kSearch && Predicts(player.agent.search);
+    if (!predicts || description.others_hidden > 0) continue;
+    throw Error(StrCat("self_play.player ", player.name,
+                       " searches with opponents predicted, but its network foretells nobody; "
+                       "expected training.network small, or other weights"));
   }
 }
 
@@ -82,7 +91,7 @@ Learner::Learner(const LearnerSettings& settings)
       league_(settings.folder / "league.csv", NamesOfPlayers(games_), loop_.progress().iteration),
       exams_(settings.folder / "exams.csv", games_, loop_.progress().iteration),
       past_rng_(UniqueNumber()) {
-  CheckWeightsFiles(games_);
+  CheckWeights(games_, config_.training.network);
   const std::vector<std::uint64_t> known = LoadGames();
   log::Info("run opened", "folder", settings.folder.string(), "games", known.size(),
             "iterations_done", loop_.progress().iteration);
