@@ -1,7 +1,7 @@
 #pragma once
 
 // Which evaluator this machine has for a network: shared by the mains, the only code of the actors
-// that names concrete ones.
+// that names those that compute one.
 
 #include <memory>
 #include <string>

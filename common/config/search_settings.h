@@ -68,10 +68,10 @@ struct SearchSettings {
   friend bool operator==(const SearchSettings&, const SearchSettings&) = default;
 };
 
-// As published (paper.md): SimpleUnbiased models, reset at each move, step limit unknown, no reuse,
-// exploratory starts. That its nodes choose among their visited children and the next two unvisited
-// by prior changes nothing: of the unvisited ones, all of equal Q, the next by prior always scores
-// highest (tree_test ChoosesAmongVisitedAndTheNextTwo).
+// As published (Weil et al. 2023): SimpleUnbiased models, reset at each move, step limit unknown,
+// no reuse, exploratory starts. That its nodes choose among their visited children and the next two
+// unvisited by prior changes nothing: of the unvisited ones, all of equal Q, the next by prior
+// always scores highest (tree_test ChoosesAmongVisitedAndTheNextTwo).
 [[nodiscard]] SearchSettings PaperSettings();
 // The defaults with a Gumbel root.
 [[nodiscard]] SearchSettings GumbelSettings();
