@@ -1,4 +1,4 @@
-#include "tools/official/json_lines.h"
+#include "common/recorded/json_lines.h"
 
 #include <zlib.h>
 
