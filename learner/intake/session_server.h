@@ -60,6 +60,7 @@ struct SessionServerSettings {
   // Past versions that actors ask for: from where, and how many stay in memory.
   LoadWeights load_weights;
   std::size_t weights_kept = 8;
+  std::uint32_t newest_weights = 0;  // version that was published by earlier starts
 };
 
 struct ActorStatistics {
