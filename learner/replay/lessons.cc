@@ -8,6 +8,7 @@
 #include "common/pommerman/belief.h"
 #include "common/pommerman/observation.h"
 #include "common/record/game_setup.h"
+#include "common/recorded/recorded_game.h"
 
 namespace powderkeg {
 namespace {
@@ -120,6 +121,21 @@ class Teacher {
   Lessons lessons_;
 };
 
+// Before it is played again.
+GameRecord RecordOf(const RecordedGame& game, std::uint64_t ticket) {
+  GameRecord record;
+  record.ticket = ticket;
+  record.setup.settings = game.settings;
+  for (const RecordedStep& step : game.steps) record.actions.push_back(step.actions);
+  const State& end = game.steps.empty() ? game.start : game.steps.back().state;
+  for (AgentId agent = 0; agent < SeatCount(game.settings.mode); ++agent) {
+    const bool lost = !IsTeamMode(game.settings.mode) && !end.agents[agent].alive;
+    if (game.result == Result::kIncomplete && !lost) continue;
+    record.setup.seats[agent] = {.searches = true, .teaches = Teaches::kMoves, .measured = true};
+  }
+  return record;
+}
+
 }  // namespace
 
 PlaySummary& PlaySummary::operator+=(const PlaySummary& other) {
@@ -147,6 +163,30 @@ std::variant<Lessons, std::string> MakeLessons(const GameRecord& game) {
   });
   if (reason) return *reason;
   return teacher.TakeLessons();
+}
+
+std::variant<Lessons, std::string> MakeLessons(const RecordedGame& game, std::uint64_t ticket) {
+  GameRecord record = RecordOf(game, ticket);
+  Teacher teacher(record);
+  State state = game.start;
+  for (const RecordedStep& step : game.steps) {
+    if (record.outcome.done) return StrCat("step ", state.step, ": the game is over before it");
+    teacher.Observe(state, step.actions);
+    Collapse(game.settings, state);
+    Step(game.settings, step.actions, step.messages, state);
+    record.outcome = OutcomeOf(game.settings, state);
+    State collapsed = state;
+    Collapse(game.settings, collapsed);
+    if (collapsed != step.state) {
+      return StrCat("step ", state.step, ": its position does not follow from the one before");
+    }
+  }
+  if (game.result != record.outcome.result || game.winners != record.outcome.winners) {
+    return "the result does not follow from its last position";
+  }
+  Lessons lessons = teacher.TakeLessons();
+  for (Sample& sample : lessons.samples) sample.end_step = state.step;
+  return lessons;
 }
 
 }  // namespace powderkeg

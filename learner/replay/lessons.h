@@ -14,6 +14,8 @@
 
 namespace powderkeg {
 
+struct RecordedGame;
+
 // One decision as a training example. Planes are encoded when a batch is built.
 struct Sample {
   State state;                                     // as the viewer's Belief held it
@@ -79,5 +81,10 @@ struct DataSet {
 // for whoever was dead before the last step of a free-for-all that ends in a tie. Returns the
 // reason for refusal if the record does not verify. Never throws, safe on records from peers.
 [[nodiscard]] std::variant<Lessons, std::string> MakeLessons(const GameRecord& game);
+
+// The same of a game that was recorded elsewhere: every agent teaches what it did, but of a game
+// that was cut off only who had lost by then. Requires game.Known().
+[[nodiscard]] std::variant<Lessons, std::string> MakeLessons(const RecordedGame& game,
+                                                             std::uint64_t ticket);
 
 }  // namespace powderkeg

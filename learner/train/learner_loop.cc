@@ -143,6 +143,13 @@ bool LearnerLoop::Wants(std::uint64_t ticket) const {
   return schedule_.UseOf(ticket) != Schedule::Use::kNone;
 }
 
+void LearnerLoop::AddDemonstrations(std::vector<Lessons> games) {
+  for (Lessons& game : games) Add(std::move(game));
+  const std::lock_guard lock(mutex_);
+  demonstrated_ = true;
+  schedule_.CloseFirstDataSet();
+}
+
 void LearnerLoop::Add(Lessons&& game) {
   const std::lock_guard lock(mutex_);
   const auto decisions = static_cast<std::uint32_t>(game.samples.size());
@@ -164,14 +171,14 @@ std::uint64_t LearnerLoop::OldestTicketNeeded() const {
 
 std::uint64_t LearnerLoop::GamesWanted() const {
   const std::lock_guard lock(mutex_);
-  return schedule_.GamesWanted();
+  return demonstrated_ && version_ == 1 ? 0 : schedule_.GamesWanted();
 }
 
 LearnerLoop::Progress LearnerLoop::progress() const {
   const std::lock_guard lock(mutex_);
   return {.iteration = static_cast<int>(version_) - 1,
           .games = schedule_.progress(),
-          .decisions_wanted = schedule_.decisions_per_iteration(),
+          .decisions_wanted = schedule_.decisions_wanted(),
           .training = training_progress_};
 }
 
@@ -219,7 +226,7 @@ std::optional<DataSet> LearnerLoop::NextDataSet(const std::stop_token& stop) {
   WaitLog wait_log(schedule_.progress());
   while (!stop.stop_requested()) {
     if (const auto range = schedule_.StartIteration()) return TakeDataSet(*range);
-    const std::uint64_t wanted = schedule_.decisions_per_iteration();
+    const std::uint64_t wanted = schedule_.decisions_wanted();
     games_added_.wait_for(lock, stop, kWaitLogInterval,
                           [&] { return schedule_.progress().decisions_in_prefix >= wanted; });
     wait_log.Update(schedule_.iteration() + 1, schedule_.progress(), wanted);
@@ -241,12 +248,12 @@ bool LearnerLoop::RunIteration(DataSet data_set, Seconds waited, const std::stop
   hooks_.iteration_trained(report, data_set.results);
   const TrainerState state = trainer_->state(version_ + 1);
   checkpoints_.Save({.data_sets = schedule_.data_sets(), .trainer = state});
+  Publish(state);  // before more games are wanted
   {
     const std::lock_guard lock(mutex_);
     ++version_;
     training_progress_ = {};
   }
-  Publish(state);
   hooks_.iteration_done(report);
   return true;
 }
