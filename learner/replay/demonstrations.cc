@@ -65,7 +65,7 @@ void ReadDemonstrations(std::span<const std::filesystem::path> files,
     try {
       ticket = ReadFile(file.string(), rules, ticket, visit);
     } catch (const Error& error) {
-      throw Error(StrCat("demonstrations ", error.what(), "; expected games of ", environment,
+      throw Error(StrCat("demonstrations: ", error.what(), "; expected games of ", environment,
                          " (self_play.environment), recorded as replay --export does"));
     }
   }

@@ -150,7 +150,7 @@ TEST(Demonstrations, OfAGameThatWasCutOffTheDeadTeach) {
 TEST_F(DemonstrationFiles, GamesOfOtherRulesAreRefused) {
   EXPECT_EQ(
       ErrorOf(DataFile("team")),
-      "demonstrations tests/data/team.jsonl.gz: nothing to learn from: public-team-0000 is of "
+      "demonstrations: tests/data/team.jsonl.gz: nothing to learn from: public-team-0000 is of "
       "PommeTeamCompetition-v0 (team, 800 steps, blast cap 4, view 4, collapses 0 0 0 0); "
       "expected games of PommeFFACompetition-v0 (self_play.environment), recorded as replay "
       "--export does");
