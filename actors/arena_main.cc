@@ -218,7 +218,11 @@ std::vector<Contender> ContendersOf(const Arguments& arguments, const MatchSetti
                         .match = std::move(results[i].match),
                         .test = results[i].test,
                         .summary = {},
-                        .difference = {}};
+                        .difference = {},
+                        .teams = IsTeamMode(settings.game.mode)};
+    for (int role = 0; role < SeatCount(settings.game.mode); ++role) {
+      contender.roles[role] = lineups[i][role].text;
+    }
     if (!arguments.mate.empty()) contender.opponents += ", with mate " + arguments.mate;
     contender.summary = Summarize(settings, contender.match);
     if (i > 0) contender.difference = Compare(settings, contender.match, contenders[0].match);

@@ -40,7 +40,7 @@ void MatchProgress::Start(Clock::time_point now) {
 
 void MatchProgress::AddGame(const PlayedGame& game, Clock::time_point now) {
   const int outcome = game.outcomes[0];
-  ++(outcome > 0 ? score_.wins : outcome < 0 ? score_.losses : score_.ties);
+  score_.Add(outcome);
   const bool last = score_.games() == static_cast<std::uint64_t>(games_);
   const auto pause = style_ == Style::kTerminal ? 100ms : 10'000ms;
   if (last || now - shown_ >= pause) Show(now);

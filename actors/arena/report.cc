@@ -5,10 +5,12 @@
 #include <cstdio>
 #include <limits>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/base/check.h"
 #include "common/base/format.h"
+#include "common/base/rating.h"
 
 namespace powderkeg {
 namespace {
@@ -113,6 +115,43 @@ std::string TableText(std::span<const Contender> contenders) {
         summary.elo.elo, summary.steps.mean(), summary.mean_depth, summary.ms_per_move,
         summary.action_shares[0], summary.bombs_per_game, summary.kicks_per_game,
         summary.kills_per_game, summary.cells_in_window, contender.agent.c_str());
+  }
+  return text;
+}
+
+Place PlaceOf(const Contender& contender, const PlayedGame& game, std::size_t role) {
+  const auto lasted = static_cast<int>(game.statistics[role].moves);
+  return {.won = game.outcomes[role] > 0, .lasted = contender.teams ? 0 : lasted};
+}
+
+// Everybody of a match against everybody else in it.
+void AddPairs(const Contender& contender, NamedScores& pairs) {
+  const auto& roles = contender.roles;
+  for (std::size_t second = 1; second < roles.size(); ++second) {
+    for (std::size_t first = 0; first < second; ++first) {
+      const bool mates = contender.teams && second - first == 2;
+      if (mates || roles[first] == roles[second] || roles[second].empty()) continue;
+      const bool ordered = roles[first] < roles[second];
+      const auto [a, b] = ordered ? std::pair(first, second) : std::pair(second, first);
+      MatchScore& score = pairs[{roles[a], roles[b]}];
+      for (const PlayedGame& game : contender.match.games) {
+        score.Add(Compare(PlaceOf(contender, game, a), PlaceOf(contender, game, b)));
+      }
+    }
+  }
+}
+
+std::string RatingsText(std::span<const Contender> contenders) {
+  NamedScores pairs;
+  for (const Contender& contender : contenders) AddPairs(contender, pairs);
+  const std::vector<RatedName> rated = RateNames(pairs);
+  if (rated.size() <= 2) return "";
+  std::string text = "\nrating  [95 %]           pairs  from who outlived whom\n";
+  for (const auto& [name, games, rating] : rated) {
+    text +=
+        Format("%+6.0f  [%+5.0f, %+5.0f]  %8.0f  ", rating.elo, rating.elo - rating.half_interval,
+               rating.elo + rating.half_interval, static_cast<double>(games)) +
+        name + "\n";
   }
   return text;
 }
@@ -249,7 +288,8 @@ std::string TableHeader(const Contender& contender) {
 std::string ReportText(std::span<const Contender> contenders) {
   std::string text;
   for (const Contender& contender : contenders) text += ContenderText(contender) + "\n";
-  return contenders.size() > 1 ? text + TableText(contenders) : text;
+  if (contenders.size() > 1) text += TableText(contenders);
+  return text + RatingsText(contenders);
 }
 
 std::string ReportJson(std::span<const Contender> contenders) {

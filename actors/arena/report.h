@@ -2,6 +2,7 @@
 
 // What a contest says: for people, as JSON, and as CSV by agent and by game.
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,10 +21,13 @@ struct Contender {
   Match match;
   std::optional<TestState> test;  // of the question about it
   MatchSummary summary;
-  std::optional<Difference> difference;  // to the first contender; not of the first itself
+  std::optional<Difference> difference;          // to the first contender; not of the first itself
+  std::array<std::string, kAgentCount> roles{};  // who played each, as specified; empty: nobody
+  bool teams = false;
 };
 
-// A block per contender and, where there are several, a table with a line for each.
+// A block per contender; where there are several, a table with a line for each; and where more than
+// two agents met, all of them by their rating.
 [[nodiscard]] std::string ReportText(std::span<const Contender> contenders);
 
 // One JSON object, {"contenders": [{"agent": ..., FIGURE: NUMBER, ..., "heat_map": [[row 0], ...]},

@@ -61,7 +61,7 @@ MatchSummary Summarize(const MatchSettings& settings, const Match& match) {
   MatchSummary summary;
   for (const PlayedGame& game : match.games) {
     const int outcome = game.outcomes[0];
-    ++(outcome > 0 ? summary.score.wins : outcome < 0 ? summary.score.losses : summary.score.ties);
+    summary.score.Add(outcome);
     summary.steps.Add(game.steps);
     for (const int role : match.roles) summary.deaths += game.died[role] ? 1 : 0;
   }

@@ -1,7 +1,8 @@
 #include "common/base/rating.h"
 
+#include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <functional>
 
 namespace powderkeg {
 namespace {
@@ -64,6 +65,31 @@ std::vector<Rating> RatePlayers(std::size_t players, std::span<const PairScore> 
     ratings[i].half_interval = kEloPerLogit * kNormal95 / std::sqrt(information[i]);
   }
   return ratings;
+}
+
+int Compare(const Place& first, const Place& second) {
+  return first > second ? 1 : first < second ? -1 : 0;
+}
+
+std::vector<RatedName> RateNames(const NamedScores& pairs) {
+  std::map<std::string, std::size_t> numbers;
+  std::vector<RatedName> rated;
+  const auto number_of = [&](const std::string& name) {
+    const auto [entry, added] = numbers.emplace(name, rated.size());
+    if (added) rated.push_back({.name = name, .rating = {}});
+    return entry->second;
+  };
+  std::vector<PairScore> scores;
+  for (const auto& [names, score] : pairs) {
+    scores.push_back({number_of(names.first), number_of(names.second), score});
+    for (const std::size_t one : {scores.back().first, scores.back().second}) {
+      rated[one].games += score.games();
+    }
+  }
+  const std::vector<Rating> ratings = RatePlayers(rated.size(), scores);
+  for (std::size_t i = 0; i < rated.size(); ++i) rated[i].rating = ratings[i];
+  std::ranges::sort(rated, std::greater(), [](const RatedName& r) { return r.rating.elo; });
+  return rated;
 }
 
 }  // namespace powderkeg

@@ -56,6 +56,8 @@ struct MatchScore {
 
   [[nodiscard]] std::uint64_t games() const { return wins + ties + losses; }
 
+  // One more game: won if `outcome` is above 0, tied at 0, lost below.
+  void Add(int outcome) { ++(outcome > 0 ? wins : outcome < 0 ? losses : ties); }
   MatchScore& operator+=(const MatchScore& other);
   friend bool operator==(const MatchScore&, const MatchScore&) = default;
 };

@@ -90,13 +90,27 @@ int NumberOf(const std::string& name, const SelfPlayConfig& config, std::vector<
   return static_cast<int>(players.size()) - 1;
 }
 
+// "me + 3 simple_unbiased": each name once, in the order of the seats.
+std::string NameOf(const Words& seats) {
+  std::string name;
+  for (auto seat = seats.begin(); seat != seats.end(); ++seat) {
+    if (std::find(seats.begin(), seat, *seat) != seat) continue;
+    const auto count = std::ranges::count(seats, *seat);
+    name += StrCat(name.empty() ? "" : " + ", count > 1 ? StrCat(count, " ") : "", *seat);
+  }
+  return name;
+}
+
 Lineup Resolved(const LineupSpec& spec, std::size_t seat_count, const SelfPlayConfig& config,
                 std::vector<Player>& players) {
   if (spec.seats.size() != seat_count) {
     throw Error(StrCat("self_play.lineup has ", spec.seats.size(), " seats; expected ", seat_count,
                        " in ", config.environment));
   }
-  Lineup lineup{.share = spec.share, .exam = spec.exam, .seat_count = static_cast<int>(seat_count)};
+  Lineup lineup{.name = NameOf(spec.seats),
+                .share = spec.share,
+                .exam = spec.exam,
+                .seat_count = static_cast<int>(seat_count)};
   for (std::size_t seat = 0; seat < seat_count; ++seat) {
     lineup.seats[seat] = NumberOf(spec.seats[seat], config, players);
   }

@@ -62,7 +62,8 @@ struct Player {
 };
 
 struct Lineup {
-  double share = 0;  // of all tickets; those of all line-ups sum to 1
+  std::string name{};  // who plays, such as "me + 3 simple_unbiased"
+  double share = 0;    // of all tickets; those of all line-ups sum to 1
   bool exam = false;
   std::array<int, kAgentCount> seats{};  // numbers of players, [0, seat_count)
   int seat_count = kAgentCount;

@@ -2,72 +2,48 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
-#include <functional>
+#include <cmath>
 #include <numeric>
-#include <optional>
-#include <sstream>
-#include <utility>
+#include <ranges>
 
 #include "common/base/check.h"
-#include "common/base/digest.h"
-#include "common/base/durable_file.h"
 #include "common/record/game_setup.h"
 
 namespace powderkeg {
 namespace {
 
-constexpr std::string_view kHeader = "iteration,first,second,wins,ties,losses";
-
 MatchScore Mirrored(const MatchScore& score) {
   return {.wins = score.losses, .ties = score.ties, .losses = score.wins};
 }
 
-MatchScore ScoreOf(int outcome) {
-  return {
-      .wins = outcome > 0 ? 1u : 0, .ties = outcome == 0 ? 1u : 0, .losses = outcome < 0 ? 1u : 0};
-}
-
-// Of the first: +1, 0, -1; nullopt where it is not known.
-std::optional<int> Compare(const GameResult& result, AgentId first, AgentId second) {
-  const auto& [finishes, outcome] = result;
-  if (finishes[first].mate >= 0) {  // teams
-    if (outcome.result != Result::kWin) return 0;
-    return (outcome.winners >> first & 1) != 0 ? 1 : -1;
-  }
-  if (outcome.result == Result::kWin) {
-    if ((outcome.winners >> first & 1) != 0) return 1;
-    if ((outcome.winners >> second & 1) != 0) return -1;
-  }
-  const int lead = int{finishes[first].lasted} - int{finishes[second].lasted};
-  if (lead == 0 && !outcome.done) return std::nullopt;
-  return lead > 0 ? 1 : lead < 0 ? -1 : 0;
-}
-
-template <typename Number>
-std::optional<Number> Parse(std::string_view text) {
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
+Place PlaceOf(const GameResult& result, AgentId agent) {
+  const Finish& finish = result.finishes[agent];
+  const bool won =
+      result.outcome.result == Result::kWin && (result.outcome.winners >> agent & 1) != 0;
+  return {.won = won, .lasted = finish.mate >= 0 ? 0 : finish.lasted};
 }
 
 // What Contestant::name() wrote.
 Contestant Named(const std::string& name) {
-  if (const auto version =
-          name.starts_with("v") ? Parse<std::uint32_t>(name.substr(1)) : std::nullopt) {
-    return {.player = "", .version = *version};
-  }
-  return {.player = name, .version = 0};
+  std::uint32_t version = 0;
+  const char* const end = name.data() + name.size();
+  const bool is_version = name.starts_with("v") && name.size() > 1 &&
+                          std::from_chars(name.data() + 1, end, version).ptr == end;
+  return is_version ? Contestant{.player = "", .version = version} : Contestant{.player = name};
 }
 
 }  // namespace
 
 std::string Contestant::name() const { return version == 0 ? player : StrCat("v", version); }
 
-League::League(std::filesystem::path file, std::vector<std::string> players, int iterations_done)
-    : file_(std::move(file)), players_(std::move(players)) {
-  if (std::filesystem::exists(file_)) Read(iterations_done);
+League::League(const std::filesystem::path& file, std::vector<std::string> players,
+               int iterations_done)
+    : file_{.path = file, .first = "first", .second = "second"},
+      players_(std::move(players)),
+      rows_(file_.Read(iterations_done)) {
+  for (const auto& [key, score] : rows_) {
+    totals_[{Named(std::get<1>(key)), Named(std::get<2>(key))}] += score;
+  }
 }
 
 void League::Add(int iteration, std::span<const GameResult> results) {
@@ -79,7 +55,7 @@ void League::Add(int iteration, std::span<const GameResult> results) {
       }
     }
   }
-  Write();
+  file_.Write(rows_);
 }
 
 Contestant League::ContestantOf(const Finish& finish) const {
@@ -94,13 +70,13 @@ void League::AddPair(int iteration, const GameResult& result, AgentId first, Age
   if (!seated || finishes[first].mate == second) return;
   const Contestant a = ContestantOf(finishes[first]);
   const Contestant b = ContestantOf(finishes[second]);
-  const std::optional<int> outcome = Compare(result, first, second);
-  if (a == b || !outcome) return;
-  AddScore(iteration, a < b ? Pair(a, b) : Pair(b, a), ScoreOf(a < b ? *outcome : -*outcome));
-}
-
-void League::AddScore(int iteration, const Pair& pair, const MatchScore& score) {
-  by_iteration_[{iteration, pair.first, pair.second}] += score;
+  if (a == b) return;
+  const int outcome = Compare(PlaceOf(result, first), PlaceOf(result, second));
+  if (outcome == 0 && !result.outcome.done) return;  // both lived on
+  MatchScore score;
+  score.Add(a < b ? outcome : -outcome);
+  const Pair pair = std::minmax(a, b);
+  rows_[{iteration, pair.first.name(), pair.second.name()}] += score;
   totals_[pair] += score;
 }
 
@@ -128,57 +104,34 @@ std::uint32_t League::DrawPast(std::uint32_t oldest, std::uint32_t newest, Rng& 
   return version->first;
 }
 
-std::vector<RatedContestant> League::Ratings() const {
-  const std::lock_guard lock(mutex_);
-  std::map<Contestant, std::size_t> index;
-  for (const auto& [pair, score] : totals_) {
-    index.emplace(pair.first, index.size());
-    index.emplace(pair.second, index.size());
+std::vector<RatedName> League::Ratings() const {
+  NamedScores scores;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [pair, score] : totals_)
+      scores[{pair.first.name(), pair.second.name()}] = score;
   }
-  std::vector<RatedContestant> rated(index.size());
-  for (const auto& [contestant, place] : index) rated[place].contestant = contestant;
-  std::vector<PairScore> pairs;
-  for (const auto& [pair, score] : totals_) {
-    pairs.push_back({index[pair.first], index[pair.second], score});
-    rated[pairs.back().first].games += score.games();
-    rated[pairs.back().second].games += score.games();
-  }
-  const std::vector<Rating> ratings = RatePlayers(index.size(), pairs);
-  for (std::size_t i = 0; i < rated.size(); ++i) rated[i].rating = ratings[i];
-  std::ranges::sort(rated, std::greater(), [](const auto& r) { return r.rating.elo; });
-  return rated;
+  return RateNames(scores);
 }
 
-void League::Read(int iterations_done) {
-  std::ifstream in(file_);
-  std::string line;
-  for (int number = 1; std::getline(in, line); ++number) {
-    if (number == 1 && line == kHeader) continue;
-    std::istringstream row(line);
-    std::array<std::string, 6> fields;
-    for (std::string& field : fields) std::getline(row, field, ',');
-    const auto iteration = Parse<int>(fields[0]);
-    const auto wins = Parse<std::uint64_t>(fields[3]);
-    const auto ties = Parse<std::uint64_t>(fields[4]);
-    const auto losses = Parse<std::uint64_t>(fields[5]);
-    if (!iteration || !wins || !ties || !losses) {
-      throw Error(StrCat(file_.string(), ":", number, ": \"", line, "\"; expected ", kHeader));
-    }
-    if (*iteration > iterations_done) continue;
-    AddScore(*iteration, {Named(fields[1]), Named(fields[2])}, {*wins, *ties, *losses});
+std::string League::RatingsCsv() const {
+  std::string text = "name,games,elo,elo_low95,elo_high95\n";
+  for (const auto& [name, games, rating] : Ratings()) {
+    text += StrCat(name, ",", games, ",", rating.elo, ",", rating.elo - rating.half_interval, ",",
+                   rating.elo + rating.half_interval, "\n");
   }
+  return text;
 }
 
-void League::Write() const {
-  std::ostringstream out;
-  out << kHeader << '\n';
-  for (const auto& [key, score] : by_iteration_) {
-    const auto& [iteration, first, second] = key;
-    out << iteration << ',' << first.name() << ',' << second.name() << ',' << score.wins << ','
-        << score.ties << ',' << score.losses << '\n';
-  }
-  const std::string text = out.str();
-  WriteFileDurably(file_, BytesOf(text));
+std::optional<Rating> League::Progress() const {
+  const std::vector<RatedName> rated = Ratings();
+  const auto version = [](const RatedName& r) { return Named(r.name).version; };
+  auto versions = rated | std::views::filter(version);
+  if (std::ranges::distance(versions) < 2) return std::nullopt;
+  const auto [oldest, newest] = std::ranges::minmax_element(versions, {}, version);
+  return Rating{
+      .elo = newest->rating.elo - oldest->rating.elo,
+      .half_interval = std::hypot(newest->rating.half_interval, oldest->rating.half_interval)};
 }
 
 }  // namespace powderkeg

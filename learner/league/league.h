@@ -6,13 +6,15 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "common/base/rating.h"
 #include "common/base/rng.h"
+#include "learner/league/score_file.h"
 #include "learner/replay/lessons.h"
 
 namespace powderkeg {
@@ -26,12 +28,6 @@ struct Contestant {
   friend auto operator<=>(const Contestant&, const Contestant&) = default;
 };
 
-struct RatedContestant {
-  Contestant contestant;
-  std::uint64_t games = 0;  // pairs it was in
-  Rating rating;
-};
-
 // Whoever outlives another has beaten it; who died in the same step, or lived to a tie, tied. In
 // team modes the team's result counts for both. Pairs of mates, of equal contestants and of those
 // that outlived a game that was not played to its end do not count. Thread-safe.
@@ -39,7 +35,7 @@ class League {
  public:
   // Reads league.csv of a run, if it is there; rows of iterations later than `iterations_done` are
   // of iterations that are now repeated, and dropped. Throws Error with the line.
-  League(std::filesystem::path file, std::vector<std::string> players, int iterations_done);
+  League(const std::filesystem::path& file, std::vector<std::string> players, int iterations_done);
 
   // The results of an iteration, durable when it returns. Throws Error.
   void Add(int iteration, std::span<const GameResult> results);
@@ -50,23 +46,24 @@ class League {
   [[nodiscard]] std::uint32_t DrawPast(std::uint32_t oldest, std::uint32_t newest, Rng& rng) const;
 
   // Everybody that has met somebody, the strongest first.
-  [[nodiscard]] std::vector<RatedContestant> Ratings() const;
+  [[nodiscard]] std::vector<RatedName> Ratings() const;
+  // The same as CSV: name, games, elo and the ends of its 95 % interval.
+  [[nodiscard]] std::string RatingsCsv() const;
+  // Of the newest version that was met, over the oldest; nullopt while there are less than two.
+  [[nodiscard]] std::optional<Rating> Progress() const;
 
  private:
-  using Pair = std::pair<Contestant, Contestant>;                               // ascending
-  using Table = std::map<std::tuple<int, Contestant, Contestant>, MatchScore>;  // by iteration
+  using Pair = std::pair<Contestant, Contestant>;  // ascending
 
   [[nodiscard]] Contestant ContestantOf(const Finish& finish) const;
   void AddPair(int iteration, const GameResult& result, AgentId first, AgentId second);
   void AddScore(int iteration, const Pair& pair, const MatchScore& score);
-  void Read(int iterations_done);
-  void Write() const;
 
-  const std::filesystem::path file_;
+  const ScoreFile file_;
   const std::vector<std::string> players_;
-  mutable std::mutex mutex_;           // guards the rest
-  Table by_iteration_;                 // of the first contestant
-  std::map<Pair, MatchScore> totals_;  // likewise
+  mutable std::mutex mutex_;  // guards the rest
+  ScoreRows rows_;
+  std::map<Pair, MatchScore> totals_;  // of the first contestant
 };
 
 }  // namespace powderkeg

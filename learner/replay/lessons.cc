@@ -43,10 +43,10 @@ class Teacher {
     PlaySummary& summary = taught ? lessons_.play : lessons_.exam;
     Summarize(summary);
     for (Sample& sample : lessons_.samples) sample.outcome = OutcomeOf(sample.viewer);
-    for (AgentId agent = 0; agent < kAgentCount; ++agent) {
-      lessons_.result.finishes[agent] = FinishOf(agent);
-    }
-    lessons_.result.outcome = game_.outcome;
+    GameResult& result = lessons_.result.emplace();
+    for (AgentId agent = 0; agent < kAgentCount; ++agent) result.finishes[agent] = FinishOf(agent);
+    result.outcome = game_.outcome;
+    result.lineup = game_.setup.lineup;
     lessons_.ticket = game_.ticket;
     return std::move(lessons_);
   }
@@ -94,7 +94,15 @@ class Teacher {
     return {.player = seat(agent).player,
             .weights_version = game_.tracks[agent].weights_version,
             .mate = TeamMateOf(settings().mode, agent),
-            .lasted = lived_[agent]};
+            .lasted = lived_[agent],
+            .counts = Counts(agent),
+            .outcome = static_cast<std::int8_t>(OutcomeFor(game_, agent))};
+  }
+
+  // Once for each measured side: of two measured mates the first.
+  [[nodiscard]] bool Counts(AgentId agent) const {
+    const AgentId mate = TeamMateOf(settings().mode, agent);
+    return seat(agent).measured && !(mate >= 0 && mate < agent && seat(mate).measured);
   }
 
   void Summarize(PlaySummary& summary) const {
@@ -102,11 +110,7 @@ class Teacher {
     for (AgentId agent = 0; agent < kAgentCount; ++agent) {
       const std::uint32_t version = game_.tracks[agent].weights_version;
       if (version < kFirstFileVersion) newest = std::max(newest, version);
-      if (!seat(agent).measured) continue;
-      const int outcome = OutcomeFor(game_, agent);
-      ++(outcome > 0   ? summary.score.wins
-         : outcome < 0 ? summary.score.losses
-                       : summary.score.ties);
+      if (Counts(agent)) summary.score.Add(OutcomeFor(game_, agent));
     }
     summary.games = 1;
     summary.decisions = lessons_.samples.size();
@@ -153,7 +157,7 @@ void DataSet::Add(Lessons&& lessons, Part part) {
                     std::back_inserter(part == Part::kTraining ? samples : held_out));
   play += lessons.play;
   exam += lessons.exam;
-  results.push_back(lessons.result);
+  if (lessons.result) results.push_back(*lessons.result);
 }
 
 std::variant<Lessons, std::string> MakeLessons(const GameRecord& game) {
@@ -185,6 +189,7 @@ std::variant<Lessons, std::string> MakeLessons(const RecordedGame& game, std::ui
     return "the result does not follow from its last position";
   }
   Lessons lessons = teacher.TakeLessons();
+  lessons.result.reset();
   for (Sample& sample : lessons.samples) sample.end_step = state.step;
   return lessons;
 }

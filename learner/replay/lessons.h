@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -33,7 +34,7 @@ struct Sample {
 struct PlaySummary {
   std::uint64_t games = 0;
   std::uint64_t decisions = 0;
-  MatchScore score;  // one official result per measured seat and game
+  MatchScore score;  // one official result per measured side and game
   std::uint64_t steps = 0;
   std::array<std::uint64_t, kActionCount> actions{};  // in the samples
   // Sum over the games of the newest weights in play, for the mean; 0 (no network) counts as 1.
@@ -48,21 +49,24 @@ struct Finish {
   std::uint32_t weights_version = 0;
   AgentId mate = -1;         // in team modes
   std::uint16_t lasted = 0;  // steps that it was alive to play
+  bool counts = false;       // of its side, its result is the one that is measured
+  std::int8_t outcome = 0;   // OutcomeFor
 };
 
 // Who came how far.
 struct GameResult {
   std::array<Finish, kAgentCount> finishes;
   Outcome outcome;
+  std::uint8_t lineup = 0;  // index among the line-ups of the run
 };
 
 // What one game has to teach.
 struct Lessons {
   std::uint64_t ticket = 0;
-  std::vector<Sample> samples;  // ascending by step, then agent
-  PlaySummary play;             // of this game, where somebody taught
-  PlaySummary exam;             // where nobody did
-  GameResult result;
+  std::vector<Sample> samples;       // ascending by step, then agent
+  PlaySummary play;                  // of this game, where somebody taught
+  PlaySummary exam;                  // where nobody did
+  std::optional<GameResult> result;  // none: nobody of the run played
 };
 
 // The games of one iteration. A value; one thread.

@@ -14,7 +14,9 @@ namespace {
 
 const HttpAddress kUsualAddress{.host = "127.0.0.1", .port = 8265};
 
-HttpReply Iterations(const HttpRequest& request, const IterationHistory& history) {
+constexpr const char* kCsv = "text/csv; charset=utf-8";
+
+HttpReply RowsAfter(const HttpRequest& request, const std::function<std::string(int)>& rows) {
   int after = 0;
   if (const auto found = request.parameters.find("after"); found != request.parameters.end()) {
     const std::string& text = found->second;
@@ -24,13 +26,12 @@ HttpReply Iterations(const HttpRequest& request, const IterationHistory& history
       return HttpError(400, StrCat("after is '", text, "', expected the number of an iteration"));
     }
   }
-  return {.body = history.CsvAfter(after), .type = "text/csv; charset=utf-8"};
+  return {.body = rows(after), .type = kCsv};
 }
 
 }  // namespace
 
-std::vector<HttpRoute> DashboardRoutes(const std::function<RunView()>& view,
-                                       const IterationHistory& history) {
+std::vector<HttpRoute> DashboardRoutes(const DashboardSources& sources) {
   return {
       {"GET", "/",
        [](const HttpRequest&) {
@@ -41,11 +42,19 @@ std::vector<HttpRoute> DashboardRoutes(const std::function<RunView()>& view,
          return HttpReply{.body = FiguresText(), .type = "text/tab-separated-values"};
        }},
       {"GET", "/status.json",
-       [view](const HttpRequest&) { return HttpReply{.body = StatusJson(view())}; }},
+       [view = sources.view](const HttpRequest&) { return HttpReply{.body = StatusJson(view())}; }},
       {"GET", "/iterations.csv",
-       [&history](const HttpRequest& request) { return Iterations(request, history); }},
+       [rows = sources.iterations](const HttpRequest& request) {
+         return RowsAfter(request, rows);
+       }},
+      {"GET", "/exams.csv",
+       [rows = sources.exams](const HttpRequest& request) { return RowsAfter(request, rows); }},
+      {"GET", "/ratings.csv",
+       [ratings = sources.ratings](const HttpRequest&) {
+         return HttpReply{.body = ratings(), .type = kCsv};
+       }},
       {"GET", "/metrics",
-       [view](const HttpRequest&) {
+       [view = sources.view](const HttpRequest&) {
          return HttpReply{.body = MetricsText(view()), .type = kMetricsType};
        }},
   };

@@ -22,6 +22,7 @@ constexpr FigureKind kGauge = FigureKind::kGauge;
 constexpr FigureKind kCounter = FigureKind::kCounter;
 
 constexpr Chart kResults{"Results"};
+constexpr Chart kRating{"Rating"};
 constexpr Chart kPolicyLoss{"Policy loss"};
 constexpr Chart kValueLoss{"Value loss"};
 constexpr Chart kAgreement{"Agreement with the target"};
@@ -69,6 +70,13 @@ double Trained(const Report& report) {
 template <Result kResult>
 double Exams(const Report& report) {
   return report.exams.games() > 0 ? static_cast<double>(report.exams.*kResult) : kAbsent;
+}
+
+double Elo(const Report& report) { return report.progress ? report.progress->elo : kAbsent; }
+
+template <int kSign>
+double EloEnd(const Report& report) {
+  return report.progress ? Elo(report) + kSign * report.progress->half_interval : kAbsent;
 }
 
 template <double Report::*kMember>
@@ -133,6 +141,11 @@ constexpr Figure kIterationFigures[] = {
     {"exam_wins", Exams<&Score::wins>, "", "%.0f", "", "Games of exams that were won."},
     {"exam_ties", Exams<&Score::ties>, "", "%.0f", "", "Games of exams that were tied."},
     {"exam_losses", Exams<&Score::losses>, "", "%.0f", "", "Games of exams that were lost."},
+    {"rating", Elo, "", "%5.0f", "Elo",
+     "Rating of the newest version that was met over the oldest, from who outlived whom.", "Elo",
+     &kRating},
+    {"rating_low95", EloEnd<-1>, "", "%.0f", "", "Lower end of the 95 % interval of Elo."},
+    {"rating_high95", EloEnd<+1>, "", "%.0f", "", "Upper end of the 95 % interval of Elo."},
     {"mean_steps", Of<&Report::mean_steps>, "", "%5.1f", "steps", "Steps a game.", "steps",
      &kSteps},
     {"share_stop", Share<Action::kStop>, "%", "%2.0f", "stop", "Searched moves that were stop.",

@@ -9,6 +9,7 @@
 #include "common/base/check.h"
 #include "common/base/digest.h"
 #include "common/base/durable_file.h"
+#include "common/base/format.h"
 #include "common/base/log.h"
 #include "common/base/unique.h"
 #include "common/base/worker.h"
@@ -73,6 +74,7 @@ Learner::Learner(const LearnerSettings& settings)
       loop_(LoopSettings(settings), LoopHooks()),
       history_(settings.folder / "iterations.csv", loop_.progress().iteration),
       league_(settings.folder / "league.csv", NamesOfPlayers(games_), loop_.progress().iteration),
+      exams_(settings.folder / "exams.csv", games_, loop_.progress().iteration),
       past_rng_(UniqueNumber()) {
   KeepWeights();
   LoadDemonstrations(settings.demonstrations);
@@ -127,14 +129,17 @@ LearnerLoopSettings Learner::LoopSettings(const LearnerSettings& settings) const
 LearnerLoopHooks Learner::LoopHooks() {
   return {.publish = [this](const Snapshot& snapshot) { server_->Publish(snapshot); },
           .iteration_trained =
-              [this](const IterationReport& report, std::span<const GameResult> results) {
-                history_.Append(report);
+              [this](IterationReport& report, std::span<const GameResult> results) {
                 league_.Add(report.iteration, results);
+                exams_.Add(report.iteration, results);
+                report.progress = league_.Progress();
+                history_.Append(report);
               },
           .iteration_done =
               [this](const IterationReport& report) {
                 log::Write(log::Level::kInfo, LogLine(report));
                 display_.ShowIteration(report);
+                ShowExams(report.iteration);
                 oldest_ticket_needed_ = loop_.OldestTicketNeeded();
                 merge_wanted_ = true;
               }};
@@ -156,6 +161,22 @@ void Learner::LoadDemonstrations(std::span<const std::filesystem::path> given) {
                      [&](Lessons&& game) { games.push_back(std::move(game)); });
   display_.ShowLine(StrCat(games.size(), " recorded games to learn from first"));
   loop_.AddDemonstrations(std::move(games));
+}
+
+void Learner::ShowExams(int iteration) {
+  const std::vector<Exams::Row> exams = exams_.Of(iteration);
+  for (const auto& [exam, score] : exams) {
+    const Interval win = WilsonInterval(score.wins, score.games());
+    log::Info("exam", "iteration", iteration, "exam", exam, "wins", score.wins, "ties", score.ties,
+              "losses", score.losses, "win_low95", win.low, "win_high95", win.high);
+    if (exams.size() < 2) continue;
+    const auto percent = [&](double share) { return 100 * share; };
+    const auto games = static_cast<double>(score.games());
+    display_.ShowLine(Format("      exam %s: %.1f %% won [%.1f-%.1f], %.1f %% tied of %.0f",
+                             exam.c_str(), percent(static_cast<double>(score.wins) / games),
+                             percent(win.low), percent(win.high),
+                             percent(static_cast<double>(score.ties) / games), games));
+  }
 }
 
 // The tickets of the games stored so far; those that are still needed go to the loop.
@@ -252,7 +273,12 @@ RunView Learner::View() const {
 }
 
 void Learner::ServeHttp(const HttpServerSettings& settings) {
-  http_.emplace(DashboardRoutes([this] { return View(); }, history_), settings);
+  http_.emplace(
+      DashboardRoutes({.view = [this] { return View(); },
+                       .iterations = [this](int after) { return history_.CsvAfter(after); },
+                       .exams = [this](int after) { return exams_.CsvAfter(after); },
+                       .ratings = [this] { return league_.RatingsCsv(); }}),
+      settings);
   const HttpAddress& address = http_->address();
   const int asked = settings.address.port;
   const bool taken = asked != 0 && address.port != asked;

@@ -17,6 +17,7 @@
 #include "common/http/http_server.h"
 #include "common/record/game_setup.h"
 #include "learner/intake/session_server.h"
+#include "learner/league/exams.h"
 #include "learner/league/league.h"
 #include "learner/replay/store.h"
 #include "learner/report/display.h"
@@ -53,6 +54,8 @@ class Learner {
   [[nodiscard]] LearnerLoopHooks LoopHooks();
   void KeepWeights() const;
   void LoadDemonstrations(std::span<const std::filesystem::path> given);
+  // Where there are several.
+  void ShowExams(int iteration);
   [[nodiscard]] std::vector<std::uint64_t> LoadGames();
   [[nodiscard]] std::uint32_t DrawPast();
   [[nodiscard]] std::vector<std::uint8_t> LoadWeights(std::uint32_t version);
@@ -78,6 +81,7 @@ class Learner {
   LearnerLoop loop_;
   IterationHistory history_;
   League league_;
+  Exams exams_;
   Rng past_rng_;  // of the io thread, as the next
   log::Budget log_budget_;
   std::unique_ptr<SessionServer> server_;  // its threads use what stands above

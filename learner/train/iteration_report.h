@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
+#include "common/base/rating.h"
 #include "common/base/stats.h"
 #include "common/pommerman/types.h"
 
@@ -16,6 +18,7 @@ struct IterationReport {
   std::uint64_t decisions = 0;
   MatchScore score;                                  // of the searching agents
   MatchScore exams;                                  // of games that are not trained on, if any
+  std::optional<Rating> progress;                    // League::Progress
   double mean_steps = 0;                             // per game
   std::array<double, kActionCount> action_shares{};  // of searched moves; sum 1
   double weights_lag = 0;  // mean age of the weights that games started with, in versions

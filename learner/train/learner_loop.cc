@@ -270,9 +270,8 @@ TrainingResult LearnerLoop::Train(int iteration, const std::stop_token& stop) {
     log::Info("training", "iteration", iteration, "samples", progress.samples_done, "of",
               progress.samples);
   };
-  trainer_->SetLearningRate(LearningRateOf(settings_.training, iteration));
   const Rng rng = Rng(settings_.seed).Split(static_cast<std::uint64_t>(iteration));
-  return trainer_->Train(window_, rng, stop, show_progress);
+  return trainer_->Train(window_, iteration, rng, stop, show_progress);
 }
 
 void LearnerLoop::Publish(const TrainerState& state) {

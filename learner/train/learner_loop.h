@@ -47,9 +47,9 @@ struct LearnerLoopHooks {
   // then per iteration.
   std::function<void(const Snapshot&)> publish = [](const Snapshot&) {};
   // Before the checkpoint of an iteration, without which it is repeated, and reported again: what
-  // is written of it here is there once it counts as complete.
-  std::function<void(const IterationReport&, std::span<const GameResult>)> iteration_trained =
-      [](const IterationReport&, std::span<const GameResult>) {};
+  // is written of it here is there once it counts as complete. May add to the report.
+  std::function<void(IterationReport&, std::span<const GameResult>)> iteration_trained =
+      [](IterationReport&, std::span<const GameResult>) {};
   // After an iteration is complete and durable: a good moment to have the store merged (by the
   // store's own thread).
   std::function<void(const IterationReport&)> iteration_done = [](const IterationReport&) {};

@@ -16,11 +16,10 @@ constexpr std::uint64_t kUsualDecisions = 200;
 
 }  // namespace
 
-double LearningRateOf(const TrainingConfig& training, int iteration) {
-  if (training.final_learning_rate == 0 || training.iterations < 2) return training.learning_rate;
-  const double progress = (iteration - 1.0) / (training.iterations - 1.0);
-  return training.learning_rate *
-         std::pow(training.final_learning_rate / training.learning_rate, progress);
+double LearningRateAfter(const TrainingConfig& training, double iterations) {
+  if (training.final_learning_rate == 0) return training.learning_rate;
+  return training.learning_rate * std::pow(training.final_learning_rate / training.learning_rate,
+                                           iterations / training.iterations);
 }
 
 std::uint32_t VersionToPlay(int iterations_done, FirstWeights first) {

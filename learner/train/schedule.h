@@ -13,9 +13,9 @@
 
 namespace powderkeg {
 
-// The learning rate of iteration k (from 1): from learning_rate to final_learning_rate by equal
-// factors, or constant.
-[[nodiscard]] double LearningRateOf(const TrainingConfig& training, int iteration);
+// The learning rate after so many iterations, of which the last may be done in part: from
+// learning_rate to final_learning_rate by equal factors, or constant.
+[[nodiscard]] double LearningRateAfter(const TrainingConfig& training, double iterations);
 
 // What the weights of version 1, before the first iteration, are.
 enum class FirstWeights : std::uint8_t { kUntrained, kGiven };

@@ -17,6 +17,7 @@
 #include "common/torch/torch_network.h"
 #include "common/torch/torch_runtime.h"
 #include "learner/train/batch.h"
+#include "learner/train/schedule.h"
 
 namespace powderkeg {
 namespace {
@@ -257,11 +258,14 @@ struct Trainer::Implementation {
   }
 
   // One step of the optimizer, on slices of the batch. False: stopped, without a step.
-  bool Step(SampleStream& stream, Rng& rng, Losses& losses, const std::stop_token& stop,
-            const std::function<void()>& slice_done) {
+  bool Step(double learning_rate, SampleStream& stream, Rng& rng, Losses& losses,
+            const std::stop_token& stop, const std::function<void()>& slice_done) {
     const auto batch_size = static_cast<std::size_t>(settings.training.batch_size);
     std::vector<const Sample*> slice;
     optimizer.zero_grad();
+    for (torch::optim::OptimizerParamGroup& group : optimizer.param_groups()) {
+      static_cast<AdamWOptions&>(group.options()).lr(learning_rate);
+    }
     for (std::size_t left = batch_size; left > 0; left -= slice.size()) {
       if (stop.stop_requested()) return false;
       slice.resize(std::min(left, kSlice));
@@ -313,13 +317,8 @@ Trainer::Trainer(const TrainerSettings& settings, const TrainerState& state) {
 
 Trainer::~Trainer() = default;
 
-void Trainer::SetLearningRate(double learning_rate) {
-  for (torch::optim::OptimizerParamGroup& group : implementation_->optimizer.param_groups()) {
-    static_cast<AdamWOptions&>(group.options()).lr(learning_rate);
-  }
-}
-
-TrainingResult Trainer::Train(const ReplayWindow& window, Rng rng, const std::stop_token& stop,
+TrainingResult Trainer::Train(const ReplayWindow& window, int iteration, Rng rng,
+                              const std::stop_token& stop,
                               const std::function<void(const TrainingProgress&)>& progress) {
   CHECK(window.size() > 0);
   Implementation& trainer = *implementation_;
@@ -337,7 +336,11 @@ TrainingResult Trainer::Train(const ReplayWindow& window, Rng rng, const std::st
   const auto slice_done = [&] {
     if (progress) progress({losses.samples, batches * batch_size});
   };
-  while (done < batches && trainer.Step(stream, rng, losses, stop, slice_done)) ++done;
+  const auto rate = [&] {
+    const double part = static_cast<double>(done) / static_cast<double>(batches);
+    return LearningRateAfter(training, iteration - 1 + part);
+  };
+  while (done < batches && trainer.Step(rate(), stream, rng, losses, stop, slice_done)) ++done;
   TrainingResult result = trainer.ResultOf(losses, start);
   trainer.WarnOfLoss(result.total_loss);
   result.finished = done == batches;

@@ -53,15 +53,13 @@ class Trainer {
   Trainer(const Trainer&) = delete;
   Trainer& operator=(const Trainer&) = delete;
 
-  // Of the calls of Train from now on; at first that of the settings.
-  void SetLearningRate(double learning_rate);
-
-  // Trains for settings.epochs passes over the window, each in a new random order, in whole
-  // batches (at least one). Large batches are computed in slices (normalised slice by slice), and
-  // `progress` is called, and a stop noticed, after each: the batch then changes no weight.
-  // Requires a window that is not empty. Throws Error if the loss is not finite, and warns if it is
-  // far above that of guessing.
-  TrainingResult Train(const ReplayWindow& window, Rng rng, const std::stop_token& stop,
+  // Trains iteration k (from 1) for settings.epochs passes over the window, each in a new random
+  // order, in whole batches (at least one), at the rates of LearningRateAfter. Large batches are
+  // computed in slices (normalised slice by slice), and `progress` is called, and a stop noticed,
+  // after each: the batch then changes no weight. Requires a window that is not empty. Throws Error
+  // if the loss is not finite, and warns if it is far above that of guessing.
+  TrainingResult Train(const ReplayWindow& window, int iteration, Rng rng,
+                       const std::stop_token& stop,
                        const std::function<void(const TrainingProgress&)>& progress);
 
   // The losses of samples that are not trained on, each turned by one symmetry.

@@ -130,7 +130,7 @@ TEST(Compare, LooksAtTheGamesThatBothPlayed) {
 }
 
 Contender ContenderOf(const std::string& agent, int simulations, const Match& match) {
-  Contender contender{agent, "simple_unbiased", simulations, match, {}, {}, {}};
+  Contender contender{agent, "simple_unbiased", simulations, match, {}, {}, {}, {}};
   contender.summary = Summarize(MatchSettings(), match);
   return contender;
 }
@@ -145,6 +145,28 @@ std::vector<Contender> SomeContenders() {
   }
   contenders[1].test = test.state();
   return contenders;
+}
+
+TEST(Report, RatesEverybodyWhereMoreThanTwoMet) {
+  Match match = MatchOf({1, 1, 1, -1});
+  for (PlayedGame& game : match.games) {
+    game.outcomes[1] = static_cast<std::int8_t>(-game.outcomes[0]);
+    game.outcomes[2] = game.outcomes[3] = -1;
+    for (std::uint32_t role = 0; role < 4; ++role) game.statistics[role].moves = 50 - 10 * role;
+  }
+  Contender contender = ContenderOf("a", 0, match);
+  contender.roles = {"a", "b", "c", "c"};
+  const std::string text = ReportText(std::vector{contender});
+  const std::size_t ratings = text.find("rating  [95 %]");
+  ASSERT_NE(ratings, std::string::npos);
+  EXPECT_LT(text.find("  a\n", ratings), text.find("  b\n", ratings));
+  EXPECT_LT(text.find("  b\n", ratings), text.find("  c\n", ratings));
+  EXPECT_THAT(text, HasSubstr("  16  c\n")) << "two seats against two others in four games";
+  contender.roles = {"a", "b", "b", "b"};
+  EXPECT_THAT(ReportText(std::vector{contender}), Not(HasSubstr("rating")));
+  contender.teams = true;
+  contender.roles = {"a", "b", "a", "c"};
+  EXPECT_THAT(ReportText(std::vector{contender}), HasSubstr("  8  b\n")) << "but not its mate";
 }
 
 TEST(Report, ShowsFiguresToPeople) {

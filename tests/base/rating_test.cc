@@ -42,5 +42,23 @@ TEST(RatePlayers, MoreGamesTellMore) {
   EXPECT_EQ(RatePlayers(1, {})[0].half_interval, std::numeric_limits<double>::infinity());
 }
 
+TEST(Place, WhoeverWonIsBeforeWhoeverLasted) {
+  EXPECT_EQ(Compare({.won = true, .lasted = 10}, {.won = false, .lasted = 90}), 1);
+  EXPECT_EQ(Compare({.lasted = 10}, {.lasted = 90}), -1);
+  EXPECT_EQ(Compare({.lasted = 90}, {.lasted = 90}), 0);
+}
+
+TEST(RateNames, OrdersEverybodyAndCountsItsGames) {
+  const auto rated = RateNames({{{"a", "b"}, {.wins = 2, .ties = 1, .losses = 7}},
+                                {{"b", "c"}, {.wins = 9, .ties = 0, .losses = 1}},
+                                {{"a", "c"}, {.wins = 6, .ties = 0, .losses = 4}}});
+  ASSERT_EQ(rated.size(), 3u);
+  EXPECT_EQ(rated[0].name, "b");
+  EXPECT_EQ(rated[1].name, "a");
+  EXPECT_EQ(rated[2].name, "c");
+  EXPECT_EQ(rated[0].games, 20u);
+  EXPECT_TRUE(RateNames({}).empty());
+}
+
 }  // namespace
 }  // namespace powderkeg

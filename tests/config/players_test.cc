@@ -38,10 +38,16 @@ TEST(Players, ByDefaultOneLearnsFromThreeAndIsExamined) {
     EXPECT_EQ(who.players[1].agent.policy, PolicyKind::kSimpleUnbiased);
     EXPECT_EQ(who.players[1].weights, Weights::kNone);
     ASSERT_EQ(who.lineups.size(), 2u);
-    EXPECT_EQ(who.lineups[0],
-              (Lineup{.share = 0.95, .exam = false, .seats = {0, 1, 1, 1}, .seat_count = 4}));
-    EXPECT_EQ(who.lineups[1],
-              (Lineup{.share = 0.05, .exam = true, .seats = {0, 1, 1, 1}, .seat_count = 4}));
+    EXPECT_EQ(who.lineups[0], (Lineup{.name = "me + 3 simple_unbiased",
+                                      .share = 0.95,
+                                      .exam = false,
+                                      .seats = {0, 1, 1, 1},
+                                      .seat_count = 4}));
+    EXPECT_EQ(who.lineups[1], (Lineup{.name = "me + 3 simple_unbiased",
+                                      .share = 0.05,
+                                      .exam = true,
+                                      .seats = {0, 1, 1, 1},
+                                      .seat_count = 4}));
   }
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "learner/report/iteration_history.h"
 #include "tests/http/raw_socket.h"
 #include "tests/learner/record_support.h"
 #include "tests/learner/view_support.h"
@@ -29,7 +30,10 @@ class DashboardTest : public testing::Test {
   DashboardTest() : history_(folder_.path() / "iterations.csv", 0) {
     for (int iteration = 1; iteration <= 3; ++iteration) history_.Append(ReportOf(iteration));
     server_ = std::make_unique<HttpServer>(
-        DashboardRoutes(PlayingRun, history_),
+        DashboardRoutes({.view = PlayingRun,
+                         .iterations = [this](int after) { return history_.CsvAfter(after); },
+                         .exams = [](int after) { return StrCat("exams after ", after); },
+                         .ratings = [] { return std::string("ratings"); }}),
         HttpServerSettings{
             .threads = 2, .max_request_bytes = 1024, .io_timeout = milliseconds(500)});
   }
@@ -83,6 +87,13 @@ TEST_F(DashboardTest, ServesTheIterationsThatSomebodyLacks) {
     EXPECT_EQ(refused->status, 400) << after;
     EXPECT_THAT(refused->body, HasSubstr("expected the number of an iteration"));
   }
+}
+
+TEST_F(DashboardTest, ServesExamsAndRatings) {
+  EXPECT_EQ(Get("/exams.csv")->body, "exams after 0");
+  EXPECT_EQ(Get("/exams.csv?after=2")->body, "exams after 2");
+  EXPECT_EQ(Get("/exams.csv?after=x")->status, 400);
+  EXPECT_EQ(Get("/ratings.csv")->body, "ratings");
 }
 
 TEST_F(DashboardTest, AThousandIterationsArriveWhole) {

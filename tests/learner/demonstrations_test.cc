@@ -91,6 +91,7 @@ TEST_P(Demonstrations, OfRecordedGamesEverybodyTeachesWhatItDid) {
     ASSERT_LT(number, games.size());
     EXPECT_EQ(games[number].ticket, number);
     EXPECT_EQ(games[number].play.games, 1u);
+    EXPECT_FALSE(games[number].result) << "nobody of the run played";
     std::array<std::optional<Belief>, kAgentCount> beliefs;
     auto sample = games[number].samples.begin();
     State state = game.start;

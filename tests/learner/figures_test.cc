@@ -30,6 +30,7 @@ IterationReport WholeReport() {
   IterationReport report = ReportOf(2);
   report.exams = {.wins = 10, .ties = 6, .losses = 4};
   report.held_out_samples = 100;
+  report.progress = {.elo = 120, .half_interval = 15};
   return report;
 }
 

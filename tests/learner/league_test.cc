@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "common/base/check.h"
+#include "learner/league/exams.h"
 #include "tests/learner/record_support.h"
 
 namespace powderkeg {
@@ -31,8 +32,8 @@ Finish Of(std::uint8_t player, std::uint32_t version, std::uint16_t lasted) {
 }
 
 double EloOf(const League& league, const std::string& name) {
-  for (const RatedContestant& rated : league.Ratings()) {
-    if (rated.contestant.name() == name) return rated.rating.elo;
+  for (const RatedName& rated : league.Ratings()) {
+    if (rated.name == name) return rated.rating.elo;
   }
   ADD_FAILURE() << name << " is not rated";
   return 0;
@@ -47,7 +48,7 @@ TEST(League, WhoeverOutlivesAnotherHasBeatenIt) {
   EXPECT_GT(EloOf(league, "v5"), EloOf(league, "v3"));
   EXPECT_NEAR(EloOf(league, "v3"), EloOf(league, "v2"), 1e-6) << "they died together";
   EXPECT_GT(EloOf(league, "v2"), EloOf(league, "script"));
-  EXPECT_EQ(league.Ratings().front().contestant.name(), "v5");
+  EXPECT_EQ(league.Ratings().front().name, "v5");
 }
 
 TEST(League, EqualContestantsMatesAndUnknownResultsDoNotCount) {
@@ -56,9 +57,9 @@ TEST(League, EqualContestantsMatesAndUnknownResultsDoNotCount) {
   const GameResult game = Free({Of(0, 5, 40), Of(0, 5, 30), Of(2, 0, 40), Of(1, 3, 40)},
                                /*winners=*/0, /*done=*/false);
   league.Add(1, std::span(&game, 1));
-  for (const RatedContestant& rated : league.Ratings()) {
+  for (const RatedName& rated : league.Ratings()) {
     // v5 lived as long as the script and v3 when the game was cut, but its twin died before them.
-    EXPECT_LE(rated.games, 2u) << rated.contestant.name();
+    EXPECT_LE(rated.games, 2u) << rated.name;
   }
 }
 
@@ -114,6 +115,59 @@ TEST(League, ADamagedFileNamesItsLine) {
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr("league.csv:2"));
   }
+}
+
+TEST(League, TellsHowFarTheNewestVersionHasCome) {
+  const TemporaryFolder folder;
+  League league(folder.path() / "league.csv", kPlayers, 0);
+  EXPECT_FALSE(league.Progress());
+  const GameResult game = Free({Of(0, 12, 90), Of(1, 3, 50), Of(2, 0, 20), {}}, 0b0001);
+  for (int i = 0; i < 20; ++i) league.Add(1, std::span(&game, 1));
+  ASSERT_TRUE(league.Progress());
+  EXPECT_NEAR(league.Progress()->elo, EloOf(league, "v12") - EloOf(league, "v3"), 1e-9);
+  EXPECT_GT(league.Progress()->elo, league.Progress()->half_interval);
+  EXPECT_THAT(league.RatingsCsv(), HasSubstr("\nv12,40,"));
+}
+
+// Two exams and a line-up that teaches.
+RunGames ExamGames() {
+  SelfPlayConfig config;
+  config.players = {{.name = "me", .teaches = PlayerSpec::Teaches::kSearch}};
+  config.lineups = {{.seats = {"me", "me", "me", "me"}},
+                    {.exam = true, .seats = {"me", "idle", "idle", "idle"}},
+                    {.exam = true, .seats = {"me", "random", "idle", "random"}}};
+  return RunGames(config);
+}
+
+GameResult Exam(std::uint8_t lineup, std::uint32_t version, std::int8_t outcome) {
+  GameResult result = Free({Of(0, version, 90), Of(1, 0, 50), Of(1, 0, 50), Of(1, 0, 20)}, 0b0001);
+  result.lineup = lineup;
+  result.finishes[0].counts = true;
+  result.finishes[0].outcome = outcome;
+  return result;
+}
+
+TEST(Exams, CountEachExamAndVersionApart) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "exams.csv";
+  const std::vector<GameResult> results = {Exam(0, 5, 1), Exam(1, 5, 1), Exam(1, 4, -1),
+                                           Exam(1, 5, 1), Exam(2, 5, 0)};
+  {
+    Exams exams(file, ExamGames(), 0);
+    exams.Add(6, results);
+    exams.Add(7, std::span(results).last(1));
+  }
+  const Exams exams(file, ExamGames(), 6);
+  ASSERT_EQ(exams.Of(6).size(), 2u) << "those that teach sit no exam";
+  EXPECT_EQ(exams.Of(6)[0].exam, "me + 2 random + idle");
+  EXPECT_EQ(exams.Of(6)[1].exam, "me + 3 idle");
+  EXPECT_EQ(exams.Of(6)[1].score, (MatchScore{.wins = 2, .ties = 0, .losses = 1}));
+  EXPECT_EQ(exams.Of(7).size(), 0u) << "iteration 7 is repeated";
+  EXPECT_EQ(exams.CsvAfter(5),
+            "iteration,version,exam,wins,ties,losses\n"
+            "6,4,me + 3 idle,0,0,1\n"
+            "6,5,me + 2 random + idle,0,1,0\n"
+            "6,5,me + 3 idle,2,0,0\n");
 }
 
 }  // namespace

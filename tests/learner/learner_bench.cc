@@ -102,9 +102,10 @@ void TrainNetwork(benchmark::State& state) {
   start.weights = InitialWeights(state.range(0) == 0 ? SmallNetwork() : PaperNetwork(), Rng(1));
   Trainer trainer(settings, start);
   state.SetLabel(trainer.description());
-  std::uint64_t samples = trainer.Train(window, Rng(1), {}, nullptr).samples;
+  std::uint64_t samples = trainer.Train(window, /*iteration=*/1, Rng(1), {}, nullptr).samples;
   samples = 0;
-  for (auto _ : state) samples += trainer.Train(window, Rng(1), {}, nullptr).samples;
+  for (auto _ : state)
+    samples += trainer.Train(window, /*iteration=*/1, Rng(1), {}, nullptr).samples;
   state.SetItemsProcessed(static_cast<std::int64_t>(samples));
 }
 BENCHMARK(TrainNetwork)

@@ -113,12 +113,12 @@ TEST(Schedule, TheLearningRateFallsByEqualFactors) {
   TrainingConfig training;
   training.iterations = 3;
   training.learning_rate = 0.04;
-  EXPECT_DOUBLE_EQ(LearningRateOf(training, 1), 0.04);
-  EXPECT_DOUBLE_EQ(LearningRateOf(training, 3), 0.04);
+  EXPECT_DOUBLE_EQ(LearningRateAfter(training, 0), 0.04);
+  EXPECT_DOUBLE_EQ(LearningRateAfter(training, 2.5), 0.04);
   training.final_learning_rate = 0.0004;
-  EXPECT_DOUBLE_EQ(LearningRateOf(training, 1), 0.04);
-  EXPECT_DOUBLE_EQ(LearningRateOf(training, 2), 0.004);
-  EXPECT_DOUBLE_EQ(LearningRateOf(training, 3), 0.0004);
+  EXPECT_DOUBLE_EQ(LearningRateAfter(training, 0), 0.04);
+  EXPECT_DOUBLE_EQ(LearningRateAfter(training, 1.5), 0.004) << "within an iteration too";
+  EXPECT_DOUBLE_EQ(LearningRateAfter(training, 3), 0.0004);
 }
 
 TEST(Schedule, UntrainedWeightsAreNotPlayedWith) {

@@ -53,7 +53,7 @@ ReplayWindow WindowOf(int games) {
 }
 
 TrainingResult Train(Trainer& trainer, const ReplayWindow& window, std::uint64_t seed = 1) {
-  return trainer.Train(window, Rng(seed), {}, nullptr);
+  return trainer.Train(window, /*iteration=*/1, Rng(seed), {}, nullptr);
 }
 
 TEST(Trainer, LearnsWhatItIsShown) {
@@ -141,8 +141,8 @@ TEST(Trainer, StopsBetweenBatches) {
   Trainer trainer(TinySettings(), FreshState());
   std::stop_source stop;
   int batches = 0;
-  const TrainingResult result =
-      trainer.Train(window, Rng(1), stop.get_token(), [&](const TrainingProgress& progress) {
+  const TrainingResult result = trainer.Train(
+      window, /*iteration=*/1, Rng(1), stop.get_token(), [&](const TrainingProgress& progress) {
         EXPECT_EQ(progress.samples_done, static_cast<std::uint64_t>(32 * ++batches));
         if (batches == 2) stop.request_stop();
       });
@@ -157,11 +157,11 @@ TEST(Trainer, StopsWithinALargeBatch) {
   const TrainerState before = FreshState();
   Trainer trainer(settings, before);
   std::stop_source stop;
-  const TrainingResult result =
-      trainer.Train(window, Rng(1), stop.get_token(), [&](const TrainingProgress& progress) {
-        EXPECT_EQ(progress.samples, 1u << 20);
-        stop.request_stop();
-      });
+  const TrainingResult result = trainer.Train(window, /*iteration=*/1, Rng(1), stop.get_token(),
+                                              [&](const TrainingProgress& progress) {
+                                                EXPECT_EQ(progress.samples, 1u << 20);
+                                                stop.request_stop();
+                                              });
   EXPECT_FALSE(result.finished);
   EXPECT_LT(result.samples, 10'000u);
   EXPECT_EQ(trainer.state(1).optimizer_steps, 0u);
