@@ -67,6 +67,7 @@ void Search::Start(const State& root, const OpponentModels& models, Rng rng) {
   models_ = known;
   rng_ = rng;
   started_ = finished_ = reused_visits_ = 0;
+  explored_.fill(0);
   depth_sum_ = 0;
   ChooseLength();
   const NodeIndex foreseen = foresight ? FindForeseen(root, kRoot) : kNoNode;
@@ -191,7 +192,9 @@ Action Search::ChooseRootAction() {
     unsigned remaining = root.legal & ~static_cast<unsigned>(root.closed);
     std::uint32_t skip = rng_.Below(static_cast<std::uint32_t>(std::popcount(remaining)));
     for (; skip > 0; --skip) remaining &= remaining - 1;
-    return OnlyOne(static_cast<ActionSet>(remaining));
+    const Action action = OnlyOne(static_cast<ActionSet>(remaining));
+    ++explored_[static_cast<std::size_t>(action)];
+    return action;
   }
   if (move_.forced_playouts > 0) {
     const std::size_t forced = ForcedAction(move_.forced_playouts, Candidates());
@@ -419,9 +422,13 @@ void Search::ChooseFrom(RootStatistics candidates, SearchResult& result) const {
     return;
   }
   const double exploration = static_cast<double>(tree_.Exploration(root.visit_count));
+  RootStatistics learned = candidates;
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    learned.visits[a] -= std::min(learned.visits[a], explored_[a]);
+  }
   result.target = move_.forced_playouts > 0
-                      ? WithoutForced(move_.forced_playouts, exploration, candidates)
-                      : candidates.visits;
+                      ? WithoutForced(move_.forced_playouts, exploration, learned)
+                      : learned.visits;
   candidates.priors = root_priors_;
   result.best = ChooseMove(move_, candidates, rng_);
   const bool learnable = std::ranges::any_of(result.target, [](auto count) { return count > 0; });

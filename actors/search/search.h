@@ -144,6 +144,8 @@ class Search {
   int started_ = 0;            // simulations of this move, those waiting for an answer included
   int finished_ = 0;           // simulations of this move that were backed up
   int reused_visits_ = 0;
+  // Exploratory starts of this search by action: what they visit is not learned.
+  std::array<std::uint32_t, kActionCount> explored_{};
   std::int64_t depth_sum_ = 0;                     // environment steps over finished simulations
   std::array<float, kActionCount> root_priors_{};  // before noise
 };

@@ -49,9 +49,14 @@ struct WeightsSnapshot {
 
 using Snapshot = std::shared_ptr<const WeightsSnapshot>;
 
-// Untrained weights, the same on every machine for equal arguments: Kaiming-uniform, with small
-// last layers (policy nearly uniform, value near 0). Version 0, no canary.
-[[nodiscard]] WeightsSnapshot InitialWeights(const NetworkDescription& description, Rng rng);
+enum class Initialisation : std::uint8_t {
+  kHe,       // Kaiming-uniform, with small last layers (policy nearly uniform, value near 0)
+  kPytorch,  // the default of its layers: uniform within 1 / sqrt(fan_in), biases too
+};
+
+// Untrained weights, the same on every machine for equal arguments. Version 0, no canary.
+[[nodiscard]] WeightsSnapshot InitialWeights(const NetworkDescription& description, Rng rng,
+                                             Initialisation initialisation = Initialisation::kHe);
 
 // Throws Error unless the description is valid, the arrays are those of the description, every
 // value is finite and no variance is negative.

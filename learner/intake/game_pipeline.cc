@@ -44,7 +44,7 @@ GamePipeline::GamePipeline(PipelineSettings settings, AppendGames append, Ticket
       append_(std::move(append)),
       waker_(waker),
       stored_(std::move(stored)),
-      newest_weights_(settings_.newest_weights),
+      newest_version_(settings_.newest_version),
       to_verify_(settings_.capacity),
       to_store_(settings_.capacity) {
   store_ = std::make_unique<Worker>("store", [this](const std::stop_token&) { RunStore(); });
@@ -113,7 +113,7 @@ GamePipeline::VerifiedGame GamePipeline::Check(const SubmittedGame& submitted) c
     if (const auto* reason = std::get_if<std::string>(&made)) {
       verdict.reason = *reason;
     } else {
-      verdict.reason = WhyImplausible(checked.record, games_, newest_weights_).value_or("");
+      verdict.reason = WhyImplausible(checked.record, games_, newest_version_).value_or("");
       checked.lessons = std::get<Lessons>(std::move(made));
       verdict.decisions = checked.lessons.samples.size();
     }

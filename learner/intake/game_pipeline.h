@@ -40,7 +40,7 @@ struct PipelineSettings {
   std::chrono::milliseconds commit_interval{250};
   std::size_t commit_games = 4096;   // at most, at once
   std::size_t capacity = 65'536;     // games in it
-  std::uint32_t newest_weights = 0;  // version that was published earlier
+  std::uint32_t newest_version = 0;  // of weights that were published earlier
 };
 
 // What became of one submitted game.
@@ -78,7 +78,7 @@ class GamePipeline {
 
   // Actors may have weights of this version from now on.
   void Published(std::uint32_t version) {
-    newest_weights_ = std::max(version, newest_weights_.load());
+    newest_version_ = std::max(version, newest_version_.load());
   }
 
   // Takes no more games, waits until those in it are durable or rejected and ends the threads.
@@ -112,7 +112,7 @@ class GamePipeline {
   const AppendGames append_;
   const Waker& waker_;
   TicketSet stored_;  // the store thread's
-  std::atomic<std::uint32_t> newest_weights_;
+  std::atomic<std::uint32_t> newest_version_;
   BoundedQueue<SubmittedGame> to_verify_;
   BoundedQueue<VerifiedGame> to_store_;
   mutable std::mutex mutex_;  // guards verdicts_

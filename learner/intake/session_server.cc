@@ -31,7 +31,7 @@ PipelineSettings PipelineSettingsOf(const SessionServerSettings& settings) {
   pipeline.verify_threads = settings.verify_threads;
   pipeline.commit_interval = settings.commit_interval;
   pipeline.capacity = settings.max_pending_games;
-  pipeline.newest_weights = settings.newest_weights;
+  pipeline.newest_version = settings.newest_version;
   return pipeline;
 }
 
@@ -280,8 +280,12 @@ void SessionServer::HandleVerdicts() {
 }
 
 void SessionServer::SendAck(SessionId id, Ack ack) {
-  if (peers_.Find(id) == nullptr) return;  // it did not take a message and was ended
-  if (!stopping_) ack.tickets = tickets_.TopUp(id);
+  const Session* const session = peers_.Find(id);
+  if (session == nullptr) return;  // it did not take a message and was ended
+  const auto offer = weights_.offer();
+  const bool outdated = settings_.newest_weights_only && offer &&
+                        session->heartbeat.weights_version != offer->version;
+  if (!stopping_ && !outdated) ack.tickets = tickets_.TopUp(id);
   if (settings_.draw_past) {
     ack.past_versions.resize(ack.tickets.size());
     std::ranges::generate(ack.past_versions, settings_.draw_past);

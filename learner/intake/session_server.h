@@ -54,13 +54,15 @@ struct SessionServerSettings {
   // How many games may be in play, besides the durable ones. Actors share them by their loops; at 0
   // only tickets of lost games are handed out. Asked often and on the io thread.
   std::function<std::uint64_t()> games_wanted = [] { return kAllGames; };
+  // No new tickets for an actor that does not play with the newest weights yet.
+  bool newest_weights_only = false;
   // The past version that the game of the next ticket meets; not set where nobody plays by past
   // weights. Called on the io thread.
   std::function<std::uint32_t()> draw_past;
   // Past versions that actors ask for: from where, and how many stay in memory.
   LoadWeights load_weights;
   std::size_t weights_kept = 8;
-  std::uint32_t newest_weights = 0;  // version that was published by earlier starts
+  std::uint32_t newest_version = 0;  // of weights that were published by earlier starts
 };
 
 struct ActorStatistics {

@@ -228,7 +228,8 @@ void Learner::ServeActors(const LearnerSettings& settings, std::span<const std::
   SessionServerSettings server;
   server.run_id = RunIdOf(settings.folder);
   server.self_play = config_.self_play;
-  server.newest_weights = NewestSavedVersion();
+  server.newest_version = NewestSavedVersion();
+  server.newest_weights_only = config_.training.sequential;
   server.games_wanted = [this] { return loop_.GamesWanted(); };
   server.load_weights = [this](std::uint32_t version) { return LoadWeights(version); };
   if (std::ranges::find(games_.players(), PlayerSpec::Weights::kPast, &Player::weights) !=

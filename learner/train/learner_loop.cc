@@ -24,13 +24,15 @@ constexpr std::uint64_t kHeldOut = std::uint64_t{1} << 32;
 
 Schedule MakeSchedule(const TrainingConfig& training, std::vector<TicketRange> data_sets) {
   return {training.iterations, static_cast<std::uint64_t>(training.decisions_per_iteration),
-          training.window_datasets, std::move(data_sets)};
+          training.window_datasets, training.sequential ? 1 : 2, std::move(data_sets)};
 }
 
 TrainerState UntrainedState(const LearnerLoopSettings& settings) {
   TrainerState state;
-  state.weights = InitialWeights(NetworkByName(settings.training.network),
-                                 Rng(settings.seed).Split(kInitialWeights));
+  state.weights = InitialWeights(
+      NetworkByName(settings.training.network), Rng(settings.seed).Split(kInitialWeights),
+      settings.training.initialisation == "pytorch" ? Initialisation::kPytorch
+                                                    : Initialisation::kHe);
   state.weights.version = 1;
   return state;
 }
@@ -152,11 +154,21 @@ void LearnerLoop::AddDemonstrations(std::vector<Lessons> games) {
 
 void LearnerLoop::Add(Lessons&& game) {
   const std::lock_guard lock(mutex_);
+  if (settings_.training.sequential && !IsOfItsIteration(game)) {
+    game.samples.clear();
+    game.play = {};
+  }
   const auto decisions = static_cast<std::uint32_t>(game.samples.size());
   const Schedule::Use use = schedule_.Add(game.ticket, decisions);
   if (use == Schedule::Use::kNone || (use == Schedule::Use::kWindow && window_restored_)) return;
   games_.emplace(game.ticket, std::move(game));
   games_added_.notify_all();
+}
+
+// Whether it was played with the weights that its iteration began with.
+bool LearnerLoop::IsOfItsIteration(const Lessons& game) const {
+  return game.play.weights_versions ==
+         static_cast<std::uint64_t>(schedule_.IterationOf(game.ticket));
 }
 
 std::uint64_t LearnerLoop::next_ticket() const {

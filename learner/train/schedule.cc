@@ -9,8 +9,6 @@
 namespace powderkeg {
 namespace {
 
-// Data sets that are played ahead of the training.
-constexpr int kDataSetsAhead = 2;
 // Of a game before the first one was added.
 constexpr std::uint64_t kUsualDecisions = 200;
 
@@ -28,13 +26,15 @@ std::uint32_t VersionToPlay(int iterations_done, FirstWeights first) {
 }
 
 Schedule::Schedule(int iterations, std::uint64_t decisions_per_iteration, int window_data_sets,
-                   std::vector<TicketRange> data_sets)
+                   int data_sets_ahead, std::vector<TicketRange> data_sets)
     : iterations_(iterations),
       decisions_(decisions_per_iteration),
       window_data_sets_(static_cast<std::size_t>(window_data_sets)),
+      data_sets_ahead_(data_sets_ahead),
       data_sets_(std::move(data_sets)),
       prefix_(data_sets_.empty() ? 0 : data_sets_.back().last + 1) {
-  CHECK(iterations > 0 && decisions_per_iteration > 0 && window_data_sets > 0);
+  CHECK(iterations > 0 && decisions_per_iteration > 0 && window_data_sets > 0 &&
+        data_sets_ahead > 0);
 }
 
 Schedule::Use Schedule::Add(std::uint64_t ticket, std::uint32_t decisions) {
@@ -67,8 +67,14 @@ std::uint64_t Schedule::OldestTicketNeeded(int checkpoints) const {
   return sets == 0 ? next_ticket() : data_sets_[data_sets_.size() - sets].first;
 }
 
+int Schedule::IterationOf(std::uint64_t ticket) const {
+  const auto of =
+      std::ranges::find_if(data_sets_, [&](const TicketRange& range) { return range.Has(ticket); });
+  return static_cast<int>(of - data_sets_.begin()) + 1;
+}
+
 std::uint64_t Schedule::GamesWanted() const {
-  const int data_sets = std::min(kDataSetsAhead, iterations_ - iteration());
+  const int data_sets = std::min(data_sets_ahead_, iterations_ - iteration());
   const std::uint64_t wanted = static_cast<std::uint64_t>(data_sets) * decisions_;
   const std::uint64_t there = prefix_.progress().decisions;
   if (there >= wanted) return 0;

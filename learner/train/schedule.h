@@ -29,10 +29,10 @@ enum class FirstWeights : std::uint8_t { kUntrained, kGiven };
 // starts. A value; one thread.
 class Schedule {
  public:
-  // `data_sets` are those of the iterations that were completed before (from a checkpoint).
-  // Requires positive numbers.
+  // Games are played for the next `data_sets_ahead` data sets. `data_sets` are those of the
+  // iterations that were completed before (from a checkpoint). Requires positive numbers.
   Schedule(int iterations, std::uint64_t decisions_per_iteration, int window_data_sets,
-           std::vector<TicketRange> data_sets = {});
+           int data_sets_ahead, std::vector<TicketRange> data_sets = {});
 
   enum class Use : std::uint8_t {
     kNextDataSets,  // waits for its iteration
@@ -58,7 +58,10 @@ class Schedule {
   // Requires checkpoints > 0.
   [[nodiscard]] std::uint64_t OldestTicketNeeded(int checkpoints) const;
 
-  // How many games more, besides those added, the next two data sets need (as far as there are
+  // The iteration whose data set a ticket is in; those of no started one are the next one's.
+  [[nodiscard]] int IterationOf(std::uint64_t ticket) const;
+
+  // How many games more, besides those added, the data sets ahead need (as far as there are
   // iterations left), by the mean length of the games so far.
   [[nodiscard]] std::uint64_t GamesWanted() const;
 
@@ -83,6 +86,7 @@ class Schedule {
   int iterations_;
   std::uint64_t decisions_;
   std::size_t window_data_sets_;
+  int data_sets_ahead_;
   std::vector<TicketRange> data_sets_;
   TicketPrefix prefix_;
   std::uint64_t closed_games_ = 0;  // of a first data set that was closed

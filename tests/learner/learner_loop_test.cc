@@ -86,6 +86,26 @@ TEST(LearnerLoop, TheOrderOfArrivalDoesNotMatter) {
   EXPECT_EQ(*run.published.back(), *shuffled.published.back());
 }
 
+TEST(LearnerLoop, SequentialIterationsLearnFromTheirOwnWeightsAlone) {
+  const TemporaryFolder folder;
+  LearnerLoopSettings settings = SettingsFor(folder.path(), 2);
+  settings.training.sequential = true;
+  std::vector<GameRecord> games = PlayGames(0, kGames);  // without a network, as iteration 1 wants
+  const std::uint64_t stale = games.size();
+  for (std::uint64_t i = 0; i < kGames; ++i) games.push_back(PlayGame(stale + i, /*version=*/2));
+  const RunLog run = RunLoop(settings, games);
+  ASSERT_EQ(run.reports.size(), 2u);
+  EXPECT_EQ(run.reports[0].weights_lag, 0);
+  EXPECT_EQ(run.reports[1].weights_lag, 0) << "those played ahead are passed over";
+  EXPECT_GE(run.reports[1].decisions, static_cast<std::uint64_t>(kDecisions));
+
+  settings.training.iterations = 3;
+  LearnerLoop loop(settings, {});
+  for (const GameRecord& game : games) loop.Add(LessonsOf(game));
+  EXPECT_EQ(loop.progress().iteration, 2) << "and after a restart";
+  EXPECT_EQ(loop.progress().games.decisions_in_prefix, 0u);
+}
+
 TEST(LearnerLoop, ARestartGoesOnExactlyWhereItWas) {
   const std::vector<GameRecord> games = PlayGames(0, kGames);
   const TemporaryFolder folder;

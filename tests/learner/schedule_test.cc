@@ -10,7 +10,7 @@ using Use = Schedule::Use;
 
 Schedule ThreeIterations(std::vector<TicketRange> data_sets = {}) {
   return {/*iterations=*/3, /*decisions_per_iteration=*/10, /*window_data_sets=*/2,
-          std::move(data_sets)};
+          /*data_sets_ahead=*/2, std::move(data_sets)};
 }
 
 TEST(Schedule, RunsItsIterationsAndEnds) {
@@ -68,7 +68,8 @@ TEST(Schedule, KnowsWhatARestartMayNeed) {
 }
 
 TEST(Schedule, WantsGamesForTwoDataSetsByTheirMeanLength) {
-  Schedule schedule(/*iterations=*/4, /*decisions_per_iteration=*/1000, /*window_data_sets=*/2);
+  Schedule schedule(/*iterations=*/4, /*decisions_per_iteration=*/1000, /*window_data_sets=*/2,
+                    /*data_sets_ahead=*/2);
   EXPECT_EQ(schedule.GamesWanted(), 10u) << "of a usual length";
   schedule.Add(0, 100);
   EXPECT_EQ(schedule.GamesWanted(), 19u);
@@ -80,8 +81,25 @@ TEST(Schedule, WantsGamesForTwoDataSetsByTheirMeanLength) {
   EXPECT_GT(schedule.GamesWanted(), 0u);
 }
 
+TEST(Schedule, KnowsTheIterationOfATicket) {
+  const Schedule schedule = ThreeIterations({{0, 4}, {5, 9}});
+  EXPECT_EQ(schedule.IterationOf(0), 1);
+  EXPECT_EQ(schedule.IterationOf(9), 2);
+  EXPECT_EQ(schedule.IterationOf(10), 3);
+  EXPECT_EQ(schedule.IterationOf(1000), 3) << "of the next one, as far as is known";
+}
+
+TEST(Schedule, CanKeepFromPlayingAhead) {
+  Schedule schedule(/*iterations=*/4, /*decisions_per_iteration=*/1000, /*window_data_sets=*/2,
+                    /*data_sets_ahead=*/1);
+  EXPECT_EQ(schedule.GamesWanted(), 5u);
+  schedule.Add(0, 1000);
+  EXPECT_EQ(schedule.GamesWanted(), 0u);
+}
+
 TEST(Schedule, WantsNoGamesThatNoIterationWouldUse) {
-  Schedule schedule(/*iterations=*/2, /*decisions_per_iteration=*/100, /*window_data_sets=*/1);
+  Schedule schedule(/*iterations=*/2, /*decisions_per_iteration=*/100, /*window_data_sets=*/1,
+                    /*data_sets_ahead=*/2);
   schedule.Add(0, 100);
   EXPECT_EQ(schedule.GamesWanted(), 1u);
   ASSERT_TRUE(schedule.StartIteration());
@@ -131,7 +149,7 @@ TEST(Schedule, UntrainedWeightsAreNotPlayedWith) {
 }
 
 TEST(Schedule, AWindowOfOneNeedsNoOldGames) {
-  Schedule schedule(5, 10, /*window_data_sets=*/1, {{0, 3}});
+  Schedule schedule(5, 10, /*window_data_sets=*/1, /*data_sets_ahead=*/2, {{0, 3}});
   EXPECT_TRUE(schedule.WindowOfNext().empty());
   EXPECT_EQ(schedule.Add(3, 10), Use::kNone);
 }

@@ -236,6 +236,20 @@ TEST(LoadModel, ReadsAFileOrMakesUntrainedWeights) {
   EXPECT_THROW((void)LoadModel("no such file"), Error);
 }
 
+TEST(InitialWeights, OfPytorchAreUniformWithinTheRootOfTheFanIn) {
+  const WeightsSnapshot snapshot = InitialWeights(PaperNetwork(), Rng(1), Initialisation::kPytorch);
+  const auto largest = [&](const char* name) {
+    float most = 0;
+    for (const float value : snapshot.Array(name).values) most = std::max(most, std::abs(value));
+    return most;
+  };
+  EXPECT_NEAR(largest("policy.fc.weight"), 1 / std::sqrt(576.0), 0.001);
+  EXPECT_NEAR(largest("policy.fc.bias"), 1 / std::sqrt(576.0), 0.02);
+  EXPECT_GT(largest("policy.fc.bias"), 0);
+  EXPECT_EQ(largest("stem.bn.bias"), 0);
+  EXPECT_EQ(largest("stem.bn.weight"), 1);
+}
+
 TEST(InitialWeights, PinnedOnEveryMachine) {
   const WeightsSnapshot snapshot = InitialWeights(PaperNetwork(), Rng(1));
   const std::vector<float>& stem = snapshot.Array("stem.conv.weight").values;

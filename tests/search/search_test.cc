@@ -276,6 +276,20 @@ TEST(Search, ExploratoryStartsVisitEveryLegalAction) {
   EXPECT_THAT(result.visits, Each(testing::AllOf(testing::Ge(25U), testing::Le(80U))));
 }
 
+TEST(Search, ExploratoryStartsAreNotLearned) {
+  SearchSettings settings = Quiet(300);
+  const State state = KnownStart(1);
+  EXPECT_EQ(SearchOnce(settings, state).target, SearchOnce(settings, state).visits);
+  settings.exploratory_start = 0.2;
+  const SearchResult result = SearchOnce(settings, state);
+  std::uint32_t learned = 0;
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    EXPECT_LE(result.target[a], result.visits[a]);
+    learned += result.target[a];
+  }
+  EXPECT_NEAR(learned, 0.8 * 300, 30);
+}
+
 TEST(Search, WithoutTheFilterEveryActionIsTried) {
   SearchSettings settings = Quiet(300);
   settings.action_filter = false;

@@ -154,10 +154,10 @@ TEST_F(GamePipelineTest, RefusesAChosenBoard) {
 }
 
 TEST_F(GamePipelineTest, RefusesWeightsThatWereNeverPublished) {
-  settings_.newest_weights = 8;
+  settings_.newest_version = 8;
   EXPECT_EQ(VerdictOn(Seal(PlayTicket(QuickConfig(), 0, 7), {})).kind, Kind::kDurable);
   games_.clear();
-  settings_.newest_weights = 6;
+  settings_.newest_version = 6;
   EXPECT_THAT(ReasonAgainst(Seal(PlayTicket(QuickConfig(), 0, 7), {})),
               HasSubstr(": weights 7 of player me, expected 0 to 6"));
   Start();
@@ -168,7 +168,7 @@ TEST_F(GamePipelineTest, RefusesWeightsThatWereNeverPublished) {
 }
 
 TEST_F(GamePipelineTest, RefusesWeightsOfOtherPlayers) {
-  settings_.newest_weights = 8;
+  settings_.newest_version = 8;
   settings_.self_play.players = {{.name = "me", .teaches = Teaches::kSearch},
                                  {.name = "fixed",
                                   .weights = PlayerSpec::Weights::kFile,
@@ -190,7 +190,7 @@ TEST_F(GamePipelineTest, RefusesWeightsOfOtherPlayers) {
 }
 
 TEST_F(GamePipelineTest, RefusesWeightsOfAScript) {
-  settings_.newest_weights = 8;
+  settings_.newest_version = 8;
   GameRecord record = PlayTicket(QuickConfig(), 0);
   AgentId script = 0;
   while (record.setup.seats[script].searches) ++script;
