@@ -146,6 +146,14 @@ bool LearnerLoop::Wants(std::uint64_t ticket) const {
 }
 
 void LearnerLoop::AddDemonstrations(std::vector<Lessons> games) {
+  const auto is_held_out = [this](const Lessons& game) {
+    return PartOf(game.ticket) == DataSet::Part::kHeldOut;
+  };
+  if (std::ranges::all_of(games, is_held_out)) {
+    throw Error(StrCat("all ", games.size(),
+                       " recorded games are held out; expected more games, or ", "less than ",
+                       settings_.training.held_out_share, " as training.held_out_share"));
+  }
   for (Lessons& game : games) Add(std::move(game));
   const std::lock_guard lock(mutex_);
   demonstrated_ = true;

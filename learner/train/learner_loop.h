@@ -86,7 +86,8 @@ class LearnerLoop {
 
   // What the run begins with: games that are played nowhere, with the tickets 0, 1, 2, ... They are
   // the first data set, whatever their number, and no games are wanted until it is learned: they
-  // are to be played by those who have learned it. Call it before Add.
+  // are to be played by those who have learned it. Call it before Add. Throws Error if all of
+  // them are held out.
   void AddDemonstrations(std::vector<Lessons> games);
 
   // The lessons of a game that is durable. Doubles and games of finished iterations are ignored.

@@ -151,6 +151,14 @@ TEST(LearnerLoop, DemonstrationsAreTheFirstDataSet) {
   EXPECT_EQ(*resumed.published.back(), *whole.published.back());
 }
 
+TEST(LearnerLoop, SomeDemonstrationsMustNotBeHeldOut) {
+  const TemporaryFolder folder;
+  LearnerLoopSettings settings = SettingsFor(folder.path(), 1);
+  settings.training.held_out_share = 1;
+  LearnerLoop loop(settings, {});
+  EXPECT_THROW(loop.AddDemonstrations({LessonsOf(PlayGame(0))}), Error);
+}
+
 TEST(LearnerLoop, AnIterationStoppedInTrainingIsRepeated) {
   const std::vector<GameRecord> games = PlayGames(0, kGames);
   const TemporaryFolder folder;
