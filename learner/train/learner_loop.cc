@@ -165,6 +165,21 @@ bool LearnerLoop::Wants(std::uint64_t ticket) const {
   return schedule_.UseOf(ticket) != Schedule::Use::kNone;
 }
 
+void LearnerLoop::AddDemonstrations(std::vector<Lessons> games) {
+  const auto is_held_out = [this](const Lessons& game) {
+    return PartOf(game.ticket) == DataSet::Part::kHeldOut;
+  };
+  if (std::ranges::all_of(games, is_held_out)) {
+    throw Error(StrCat("all ", games.size(),
+                       " recorded games are held out; expected more games, or ", "less than ",
+                       settings_.training.held_out_share, " as training.held_out_share"));
+  }
+  for (Lessons& game : games) Add(std::move(game));
+  const std::lock_guard lock(mutex_);
+  demonstrated_ = true;
+  schedule_.CloseFirstDataSet();
+}
+
 void LearnerLoop::Add(Lessons&& game) {
   const std::lock_guard lock(mutex_);
   if (settings_.training.sequential && !IsOfItsIteration(game)) {
@@ -196,14 +211,14 @@ std::uint64_t LearnerLoop::OldestTicketNeeded() const {
 
 std::uint64_t LearnerLoop::GamesWanted() const {
   const std::lock_guard lock(mutex_);
-  return schedule_.GamesWanted();
+  return demonstrated_ && version_ == 1 ? 0 : schedule_.GamesWanted();
 }
 
 LearnerLoop::Progress LearnerLoop::progress() const {
   const std::lock_guard lock(mutex_);
   return {.iteration = static_cast<int>(version_) - 1,
           .games = schedule_.progress(),
-          .decisions_wanted = schedule_.decisions_per_iteration(),
+          .decisions_wanted = schedule_.decisions_wanted(),
           .training = training_progress_};
 }
 
@@ -251,7 +266,7 @@ std::optional<DataSet> LearnerLoop::NextDataSet(const std::stop_token& stop) {
   WaitLog wait_log(schedule_.progress());
   while (!stop.stop_requested()) {
     if (const auto range = schedule_.StartIteration()) return TakeDataSet(*range);
-    const std::uint64_t wanted = schedule_.decisions_per_iteration();
+    const std::uint64_t wanted = schedule_.decisions_wanted();
     games_added_.wait_for(lock, stop, kWaitLogInterval,
                           [&] { return schedule_.progress().decisions_in_prefix >= wanted; });
     wait_log.Update(schedule_.iteration() + 1, schedule_.progress(), wanted);
@@ -273,12 +288,12 @@ bool LearnerLoop::RunIteration(DataSet data_set, Seconds waited, const std::stop
   hooks_.iteration_trained(report, data_set.results);
   const TrainerState state = trainer_->state(version_ + 1);
   checkpoints_.Save({.data_sets = schedule_.data_sets(), .trainer = state});
+  Publish(state);  // before more games are wanted
   {
     const std::lock_guard lock(mutex_);
     ++version_;
     training_progress_ = {};
   }
-  Publish(state);
   hooks_.iteration_done(report);
   return true;
 }

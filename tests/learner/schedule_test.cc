@@ -110,6 +110,23 @@ TEST(Schedule, WantsNoGamesThatNoIterationWouldUse) {
   EXPECT_EQ(schedule.GamesWanted(), 0u);
 }
 
+// Demonstrations: however many they are, the first iteration is of them and of nothing else.
+TEST(Schedule, AClosedFirstDataSetIsTakenWhole) {
+  for (const std::uint32_t decisions : {1u, 1000u}) {
+    Schedule schedule = ThreeIterations();
+    for (std::uint64_t ticket = 0; ticket < 4; ++ticket) schedule.Add(ticket, decisions);
+    schedule.CloseFirstDataSet();
+    EXPECT_EQ(schedule.next_ticket(), 4u);
+    EXPECT_EQ(schedule.decisions_wanted(), 4 * decisions);
+    schedule.Add(4, 20);
+    EXPECT_EQ(schedule.StartIteration(), (Range{{0, 3}}));
+    EXPECT_EQ(schedule.decisions_wanted(), 10u);
+    EXPECT_EQ(schedule.GamesWanted(), 0u);
+    EXPECT_EQ(schedule.StartIteration(), (Range{{4, 4}}));
+    EXPECT_EQ(schedule.GamesWanted(), 1u);
+  }
+}
+
 TEST(Schedule, TheLearningRateFallsByEqualFactors) {
   TrainingConfig training;
   training.iterations = 3;
