@@ -32,6 +32,10 @@ std::vector<std::string> NamesOfPlayers(const RunGames& games) {
   return names;
 }
 
+bool AsksForPredictions(const Player& player) {
+  return player.agent.kind == AgentSpec::Kind::kSearch && Predicts(player.agent.search);
+}
+
 LiveStatus StatusOf(const LearnerLoop::Progress& progress, const IntakeStatistics& intake,
                     int iterations) {
   LiveStatus status;
@@ -148,8 +152,14 @@ LearnerLoopHooks Learner::LoopHooks() {
 // Those that are named by files, from now on copies of the run; they can be read.
 void Learner::KeepWeights() const {
   for (const Player& player : games_.players()) {
-    if (player.weights != PlayerSpec::Weights::kFile) continue;
-    (void)LoadSnapshot(WeightsOfPlayer(folder_, player).string());
+    NetworkDescription network = NetworkByName(config_.training.network);
+    if (player.weights == PlayerSpec::Weights::kFile) {
+      network = LoadSnapshot(WeightsOfPlayer(folder_, player).string())->description;
+    }
+    if (network.others_hidden > 0 || !AsksForPredictions(player)) continue;
+    throw Error(StrCat("self_play.player ", player.name,
+                       " searches with opponents predicted, but its network foretells nobody; "
+                       "expected training.network small, or other weights"));
   }
 }
 

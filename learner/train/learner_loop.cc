@@ -37,8 +37,26 @@ TrainerState UntrainedState(const LearnerLoopSettings& settings) {
   return state;
 }
 
-void ExpectNetwork(const TrainerState& state, const std::string& name) {
-  if (state.weights.description == NetworkByName(name)) return;
+// Weights of the same network without the head that foretells the others get a new one; the
+// optimizer then starts anew.
+void AddMissingHead(const NetworkDescription& network, Rng rng, TrainerState& state) {
+  NetworkDescription with_head = state.weights.description;
+  with_head.others_hidden = network.others_hidden;
+  if (state.weights.description == network || with_head != network) return;
+  const WeightsSnapshot fresh = InitialWeights(network, rng);
+  const auto known = static_cast<std::ptrdiff_t>(state.weights.arrays.size());
+  state.weights.arrays.insert(state.weights.arrays.end(), fresh.arrays.begin() + known,
+                              fresh.arrays.end());
+  state.weights.description = network;
+  state.optimizer.clear();
+  log::Info("the weights to go on from foretell nobody: they learn it from now on");
+}
+
+void FitNetwork(const LearnerLoopSettings& settings, TrainerState& state) {
+  const std::string& name = settings.training.network;
+  const NetworkDescription network = NetworkByName(name);
+  AddMissingHead(network, Rng(settings.seed).Split(kInitialWeights), state);
+  if (state.weights.description == network) return;
   throw Error(StrCat("training.network is ", name,
                      ", but the weights to go on from are of another network"));
 }
@@ -62,6 +80,7 @@ IterationReport MakeReport(int iteration, const DataSet& data_set, const Trainin
   report.policy_loss = training.policy_loss;
   report.value_loss = training.value_loss;
   report.policy_accuracy = training.policy_accuracy;
+  report.others_accuracy = training.others_accuracy;
   report.samples_per_s = training.samples_per_s;
   return report;
 }
@@ -71,6 +90,7 @@ void AddHeldOut(const TrainingResult& measured, IterationReport& report) {
   report.held_out_policy_loss = measured.policy_loss;
   report.held_out_value_loss = measured.value_loss;
   report.held_out_accuracy = measured.policy_accuracy;
+  report.held_out_others_accuracy = measured.others_accuracy;
 }
 
 }  // namespace
@@ -116,7 +136,7 @@ LearnerLoop::LearnerLoop(LearnerLoopSettings settings, LearnerLoopHooks hooks)
       schedule_(MakeSchedule(settings_.training, {})) {
   PrepareFolder(settings_.folder / "weights");
   TrainerState state = FirstOrNewestState();
-  ExpectNetwork(state, settings_.training.network);
+  FitNetwork(settings_, state);
   version_ = state.weights.version;
   trainer_ = std::make_unique<Trainer>(
       TrainerSettings{settings_.training, settings_.game, settings_.precision}, state);
@@ -126,8 +146,8 @@ LearnerLoop::LearnerLoop(LearnerLoopSettings settings, LearnerLoopHooks hooks)
 TrainerState LearnerLoop::FirstOrNewestState() {
   std::optional<Checkpoint> checkpoint = checkpoints_.LoadNewest();
   if (!checkpoint && settings_.first) {
-    ExpectNetwork(*settings_.first, settings_.training.network);
     checkpoint = Checkpoint{.data_sets = {}, .trainer = *settings_.first};
+    FitNetwork(settings_, checkpoint->trainer);
     checkpoints_.Save(*checkpoint);
   }
   if (!checkpoint) return UntrainedState(settings_);
