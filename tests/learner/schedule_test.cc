@@ -62,7 +62,7 @@ TEST(Schedule, KnowsWhatARestartMayNeed) {
   EXPECT_EQ(schedule.OldestTicketNeeded(/*checkpoints=*/2), 5u);
   EXPECT_EQ(schedule.OldestTicketNeeded(/*checkpoints=*/3), 0u);
   EXPECT_EQ(schedule.OldestTicketNeeded(/*checkpoints=*/9), 0u);
-  const Schedule no_window(3, 10, /*window_data_sets=*/1, {{0, 4}, {5, 9}});
+  const Schedule no_window(3, 10, /*window_data_sets=*/1, /*data_sets_ahead=*/2, {{0, 4}, {5, 9}});
   EXPECT_EQ(no_window.OldestTicketNeeded(1), 10u);
   EXPECT_EQ(no_window.OldestTicketNeeded(2), 5u);
 }
