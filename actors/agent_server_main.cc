@@ -88,7 +88,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
 
 // The agent's own words, changed by what holds for all.
 AgentSpec DescriptionOf(const std::string& text, const Arguments& arguments) {
-  AgentSpec description = ParseAgent(text);
+  AgentSpec description = AgentFor(text);
   if (arguments.simulations > 0) description.search.simulations = arguments.simulations;
   if (arguments.move_time_ms > 0) {
     description.search.simulations = kEnoughSimulations;

@@ -158,13 +158,13 @@ ContestSettings SettingsOf(const Arguments& arguments) {
 // The agent in role 0 and, in team modes, its mate in role 2.
 MatchLineup LineupOf(const std::string& agent, const Arguments& arguments, Mode mode) {
   MatchLineup lineup;
-  lineup[0] = ParseAgent(agent);
+  lineup[0] = AgentFor(agent);
   for (std::size_t role = 1; role < lineup.size(); ++role) {
     const std::vector<std::string>& opponents = arguments.opponents;
-    lineup[role] = ParseAgent(opponents[std::min(role, opponents.size()) - 1]);
+    lineup[role] = AgentFor(opponents[std::min(role, opponents.size()) - 1]);
   }
   if (IsTeamMode(mode)) {
-    lineup[2] = arguments.mate.empty() ? lineup[0] : ParseAgent(arguments.mate);
+    lineup[2] = arguments.mate.empty() ? lineup[0] : AgentFor(arguments.mate);
   } else if (!arguments.mate.empty()) {
     throw Error(StrCat("--mate ", arguments.mate, ": ", arguments.environment,
                        " has no mates: expected a team environment"));

@@ -83,6 +83,17 @@ std::unique_ptr<Evaluator> MakeOne(const std::string& name, const EvaluatorChoic
 
 }  // namespace
 
+AgentSpec AgentFor(const std::string& text) {
+  AgentSpec agent = ParseAgent(text);
+  if (agent.kind != AgentSpec::Kind::kSearch || !Predicts(agent.search)) return agent;
+  if (agent.model_file.empty() || LoadModel(agent.model_file)->description.others_hidden == 0) {
+    throw Error(StrCat("agent ", text, ": opponents=predicted with ",
+                       agent.model_file.empty() ? "no model" : agent.model_file,
+                       "; expected weights that foretell the others"));
+  }
+  return agent;
+}
+
 void InitialiseEvaluators() {
 #ifdef POWDERKEG_HAS_TORCH
   InitialiseTorch(/*threads=*/1);

@@ -1,11 +1,12 @@
 #pragma once
 
 // Which evaluator this machine has for a network: shared by the mains, the only code of the actors
-// that names concrete ones.
+// that names those that compute one.
 
 #include <memory>
 #include <string>
 
+#include "common/config/agent_spec.h"
 #include "common/model/evaluator.h"
 #include "common/model/weights_snapshot.h"
 
@@ -23,6 +24,10 @@ struct EvaluatorChoice {
   int largest_batch = 0;  // up to this size no batch is the first of its size: the evaluator has
                           // prepared itself, which takes tens of milliseconds for each size
 };
+
+// An agent in words (ParseAgent) whose model can tell what its search asks. Throws Error if it
+// cannot (opponents=predicted of weights that foretell nobody), or the words are wrong.
+[[nodiscard]] AgentSpec AgentFor(const std::string& text);
 
 // Prepares the process for the evaluators built in. Call once, before threads start.
 void InitialiseEvaluators();

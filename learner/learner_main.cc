@@ -45,6 +45,10 @@ void AddOptions(CLI::App& app, Options& options) {
   app.add_option("--initial-weights", options.learner.first_weights,
                  "what a new run starts from: a .weights file, or a .checkpoint file with its\n"
                  "optimizer; a run that has begun keeps its own");
+  app.add_option("--demonstrations", options.learner.demonstrations,
+                 "recorded games of the official environment, plain or gzip, as replay --export\n"
+                 "writes them: a new run's first iteration learns what everybody did in all of\n"
+                 "them, and then the games begin; a run that has begun keeps its own");
   app.add_option("--listen", options.learner.listen,
                  "tcp://*:PORT, tcp://127.0.0.1:PORT or ipc://PATH")
       ->capture_default_str();
@@ -56,7 +60,8 @@ void AddOptions(CLI::App& app, Options& options) {
          "ADDRESS:PORT (port 0: any free one), off, or auto: 127.0.0.1:8265 or, where that is\n"
          "taken, any free port. Read-only and unauthenticated: whoever reaches it sees the run")
       ->capture_default_str();
-  app.add_flag("--check", options.check, "check the run's name and settings, write nothing, end");
+  app.add_flag("--check", options.check,
+               "check the run's name, settings and demonstrations, write nothing, end");
   app.add_option("--log-level", options.log_level, "debug, info, warn or error")
       ->capture_default_str();
 }
@@ -76,8 +81,13 @@ int Main(int argc, char** argv) {
   try {
     AllowManyDescriptors();
     options.learner.http = DashboardServer(options.http);
-    CheckRun(options.learner.folder, options.learner.config, options.learner.changes);
-    if (options.check) return 0;
+    const LearnerSettings& learner = options.learner;
+    CheckRun(learner.folder, learner.config, learner.changes);
+    if (options.check) {
+      const RunConfig config = ConfigOfRun(learner.folder, learner.config, learner.changes);
+      CheckDemonstrations(learner.folder, learner.demonstrations, config.self_play.environment);
+      return 0;
+    }
     const std::filesystem::path logs = options.learner.folder / "log";
     std::filesystem::create_directories(logs);
     const RunLock lock(options.learner.folder);  // before anything of another's is written

@@ -14,9 +14,18 @@ PolicyKind PolicyOf(OpponentModel model) {
     case OpponentModel::kOfficialSimple: return PolicyKind::kOfficialSimple;
     case OpponentModel::kSimpleUnbiased:
     case OpponentModel::kObserved:
+    case OpponentModel::kPredicted:
     case OpponentModel::kRawNetwork: break;
   }
   return PolicyKind::kSimpleUnbiased;
+}
+
+ModelledAgent::Kind KindOf(OpponentModel model) {
+  switch (model) {
+    case OpponentModel::kPredicted: return ModelledAgent::Kind::kPredicted;
+    case OpponentModel::kRawNetwork: return ModelledAgent::Kind::kNetwork;
+    default: return ModelledAgent::Kind::kPolicy;
+  }
 }
 
 bool IsAlive(const State& state, AgentId agent) {
@@ -42,8 +51,7 @@ void OpponentModels::StartGame(const SearchSettings& settings, const GameSetting
     const OpponentModel listed = settings.opponents[static_cast<std::size_t>(i - 1)];
     const OpponentModel assumed = is_mate ? settings.mate_model.value_or(listed) : listed;
     Other& other = others_[id];
-    other.model.kind = assumed == OpponentModel::kRawNetwork ? ModelledAgent::Kind::kNetwork
-                                                             : ModelledAgent::Kind::kPolicy;
+    other.model.kind = KindOf(assumed);
     other.model.policy = PolicyOf(assumed);
     other.model.traits = PolicyTraits::Draw(rng);
     other.chooses = assumed == OpponentModel::kObserved;
@@ -67,7 +75,7 @@ void OpponentModels::ObserveStep(const SeenState& before, const SeenState& after
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
     Other& other = others_[static_cast<std::size_t>(agent)];
     if (agent == self_ || !IsAlive(before.state, agent) || !InView(after, agent)) continue;
-    if (other.model.kind == ModelledAgent::Kind::kNetwork) continue;
+    if (other.model.kind != ModelledAgent::Kind::kPolicy) continue;
     if (InView(before, agent)) {
       ObserveAgent(agent, before.state, after.state, other);
     } else {

@@ -18,7 +18,7 @@ namespace powderkeg {
 // How one agent is assumed to act. Policy and traits hold for a search; the memory is what its root
 // starts from.
 struct ModelledAgent {
-  enum class Kind : std::uint8_t { kPolicy, kNetwork };
+  enum class Kind : std::uint8_t { kPolicy, kPredicted, kNetwork };
   Kind kind = Kind::kPolicy;
   PolicyKind policy = PolicyKind::kIdle;  // of a kPolicy
   PolicyTraits traits;

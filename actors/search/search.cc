@@ -206,6 +206,7 @@ Action Search::ChooseRootAction() {
 // Fills in `actions` for everybody who does not choose in the tree; false if networks are asked.
 bool Search::DecideForOthers(NodeIndex index, EvaluationBatch& batch) {
   Node& node = tree_[index];
+  const JointAction foretold = node.actions;
   node.next_mover = static_cast<std::uint8_t>(DeciderAfter(settings_, game_, node.state, self_));
   node.stage = Node::Stage::kReady;
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
@@ -218,6 +219,10 @@ bool Search::DecideForOthers(NodeIndex index, EvaluationBatch& batch) {
       continue;
     }
     const ModelledAgent& known = models_[id];
+    if (known.kind == ModelledAgent::Kind::kPredicted) {
+      node.actions[id] = foretold[id];
+      continue;
+    }
     const PolicyView view{node.state, game_, agent, VisibleFor(node.state, agent)};
     node.actions[id] = Decide(known.policy, view, known.traits, node.memories[id], rng_);
   }
@@ -325,10 +330,23 @@ void Search::TakeEvaluation(NodeIndex index, const Evaluation& evaluation) {
   tree_.SetEdges(node, LegalFor(node), evaluation.policy);
   node.evaluation = static_cast<float>(node.side) * evaluation.value;
   node.stage = node.mover == self_ ? Node::Stage::kEvaluated : Node::Stage::kReady;
+  if (node.mover == self_) Foretell(evaluation, node);
   if (index == kRoot) {
     BeginRoot();
   } else {
     EndSimulation(index);
+  }
+}
+
+// `actions` keeps what is foretold until the others decide.
+void Search::Foretell(const Evaluation& evaluation, Node& node) const {
+  for (AgentId after = 1; after < kAgentCount; ++after) {
+    const AgentId agent = (self_ + after) % kAgentCount;
+    const auto id = static_cast<std::size_t>(agent);
+    if (models_[id].kind != ModelledAgent::Kind::kPredicted || !IsAlive(node.state, agent))
+      continue;
+    node.actions[id] = BestAction(evaluation.others[static_cast<std::size_t>(after) - 1],
+                                  LegalActions(node.state, agent));
   }
 }
 

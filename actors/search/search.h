@@ -114,6 +114,7 @@ class Search {
 
   // Scatter
   void TakeEvaluation(NodeIndex node, const Evaluation& evaluation);
+  void Foretell(const Evaluation& evaluation, Node& node) const;
   void TakeMateValue(NodeIndex node, float value);
   void TakeModelPolicy(Node& node, AgentId agent, const Evaluation& evaluation) const;
   void EndSimulation(NodeIndex leaf);

@@ -28,7 +28,7 @@ inline constexpr NodeIndex kNoNode = -1;
 struct alignas(64) Node {
   enum class Stage : std::uint8_t {
     kNew,         // waits for its evaluation; has no edges yet
-    kEvaluated,   // the other agents' actions are not known yet
+    kEvaluated,   // the other agents have not decided yet; `actions` holds what is foretold
     kAsksModels,  // waits for the evaluations that network models act by
     kReady,       // `actions` holds what the models do
     kAsksMate,    // the searching agent died: waits for the mate's view, then terminal

@@ -21,11 +21,12 @@ Heartbeat Progress::Sum(std::chrono::steady_clock::time_point now) const {
   const std::lock_guard lock(mutex_);
   LoopMetrics sum = before_;
   Heartbeat heartbeat;
+  const auto slowest = std::ranges::min_element(loops_, {}, &LoopProgress::weights_version);
+  if (slowest != loops_.end()) heartbeat.weights_version = slowest->weights_version;
   const LoopProgress* oldest = nullptr;
   for (const LoopProgress& loop : loops_) {
     sum += loop.metrics;
     heartbeat.games_running += static_cast<std::uint32_t>(loop.games_running);
-    heartbeat.weights_version = std::max(heartbeat.weights_version, loop.weights_version);
     if (loop.games_running == 0) continue;
     if (oldest == nullptr || loop.oldest_ticket < oldest->oldest_ticket) oldest = &loop;
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-// The one way in which threads hand values to each other.
+// How threads hand values to each other one by one, without ever holding too many.
 
 #include <chrono>
 #include <condition_variable>

@@ -9,7 +9,7 @@
 namespace powderkeg {
 
 // Bad configuration, a port in use, a full disk, an unreadable checkpoint: the message says in one
-// line what failed, which value it had and what was expected. Caught only by Worker and by mains.
+// line what failed, which value it had and what was expected. Worker hands it on, mains print it.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -52,6 +52,9 @@ void CheckName(const std::vector<PlayerSpec>& players, const PlayerSpec& player)
   };
   if (!plain) refuse("1 to 64 characters of [A-Za-z0-9_-]");
   if (PolicyKindFor(name)) refuse("another name than a policy's");
+  const bool version = name.size() > 1 && name.front() == 'v' &&
+                       name.find_first_not_of("0123456789", 1) == std::string::npos;
+  if (version) refuse("another name than a version's");
   if (std::ranges::count(players, name, &PlayerSpec::name) > 1) refuse("one player of that name");
 }
 

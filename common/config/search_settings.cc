@@ -1,5 +1,6 @@
 #include "common/config/search_settings.h"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -9,8 +10,9 @@ namespace {
 constexpr std::array<std::string_view, 2> kTreeNames = {"one_player", "two_player"};
 constexpr std::array<std::string_view, 2> kSimulatedOpponentNames = {"closest", "most_dangerous"};
 constexpr std::array<std::string_view, 2> kRootNames = {"puct", "gumbel"};
-constexpr std::array<std::string_view, 7> kModelNames = {
-    "idle", "random", "harmless", "simple_unbiased", "official_simple", "raw_network", "observed"};
+constexpr std::array<std::string_view, 8> kModelNames = {
+    "idle",      "random",      "harmless", "simple_unbiased", "official_simple",
+    "predicted", "raw_network", "observed"};
 constexpr std::array<std::string_view, 3> kMemoryNames = {"reset", "synchronized", "inferred"};
 constexpr std::array<std::string_view, 4> kPresetNames = {"default", "paper", "gumbel", "katago"};
 
@@ -45,6 +47,12 @@ Names NamesOf(SimulatedOpponent) { return kSimulatedOpponentNames; }
 Names NamesOf(RootSearch) { return kRootNames; }
 Names NamesOf(OpponentModel) { return kModelNames; }
 Names NamesOf(ModelMemory) { return kMemoryNames; }
+
+bool Predicts(const SearchSettings& settings) {
+  return settings.mate_model == OpponentModel::kPredicted ||
+         std::ranges::find(settings.opponents, OpponentModel::kPredicted) !=
+             settings.opponents.end();
+}
 
 SearchSettings PaperSettings() {
   SearchSettings settings;

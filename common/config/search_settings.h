@@ -38,6 +38,8 @@ enum class OpponentModel : std::uint8_t {
   kHarmless,
   kSimpleUnbiased,
   kOfficialSimple,
+  kPredicted,   // what the evaluation of the position foretells of it: asks nothing more. Nothing
+                // (a stop) where the network foretells nobody or the agent is out of sight
   kRawNetwork,  // argmax of the network's policy for that agent over its legal actions
   kObserved,    // the rule-based policy that foretold its actions in this game best so far
 };
@@ -66,10 +68,10 @@ struct SearchSettings {
   friend bool operator==(const SearchSettings&, const SearchSettings&) = default;
 };
 
-// As published (paper.md): SimpleUnbiased models, reset at each move, step limit unknown, no reuse,
-// exploratory starts. That its nodes choose among their visited children and the next two unvisited
-// by prior changes nothing: of the unvisited ones, all of equal Q, the next by prior always scores
-// highest (tree_test ChoosesAmongVisitedAndTheNextTwo).
+// As published (Weil et al. 2023): SimpleUnbiased models, reset at each move, step limit unknown,
+// no reuse, exploratory starts. That its nodes choose among their visited children and the next two
+// unvisited by prior changes nothing: of the unvisited ones, all of equal Q, the next by prior
+// always scores highest (tree_test ChoosesAmongVisitedAndTheNextTwo).
 [[nodiscard]] SearchSettings PaperSettings();
 // The defaults with a Gumbel root.
 [[nodiscard]] SearchSettings GumbelSettings();
@@ -77,6 +79,9 @@ struct SearchSettings {
 // the searches are full ones and teach a policy, with forced playouts that are pruned from the
 // target; the others are short.
 [[nodiscard]] SearchSettings KataGoSettings();
+
+// Whether somebody's model is kPredicted.
+[[nodiscard]] bool Predicts(const SearchSettings& settings);
 
 // The same search as strong as it can play: no noise, no drawing of moves, no short searches.
 [[nodiscard]] SearchSettings WithoutExploration(SearchSettings settings);

@@ -63,9 +63,9 @@ PositionKey KeyOf(const Position& position) {
 
 EvaluationCache::EvaluationCache(std::unique_ptr<Evaluator> evaluator, std::size_t bytes)
     : evaluator_(std::move(evaluator)) {
-  static_assert(sizeof(Entry) == 48);
+  static_assert(sizeof(Entry) == 72);
   const std::size_t buckets = std::max<std::size_t>(1, bytes / (kWays * sizeof(Entry)));
-  entries_.resize(std::bit_floor(buckets) * kWays);
+  entries_.resize(buckets * kWays);
 }
 
 std::string EvaluationCache::name() const { return "cached " + evaluator_->name(); }
@@ -126,8 +126,9 @@ std::size_t EvaluationCache::FindMissing(const PositionKey& key) {
 
 std::span<EvaluationCache::Entry, EvaluationCache::kWays> EvaluationCache::BucketOf(
     const PositionKey& key) {
-  const std::size_t buckets = entries_.size() / kWays;
-  return std::span<Entry, kWays>(&entries_[(key.low & (buckets - 1)) * kWays], kWays);
+  const std::uint64_t buckets = entries_.size() / kWays;
+  const std::uint64_t bucket = (key.low >> 32) * buckets >> 32;  // Lemire 2016
+  return std::span<Entry, kWays>(&entries_[bucket * kWays], kWays);
 }
 
 const Evaluation* EvaluationCache::Find(const PositionKey& key) {

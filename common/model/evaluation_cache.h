@@ -30,7 +30,7 @@ struct PositionKey {
 // entry. One thread; the counters may be read from others.
 class EvaluationCache final : public Evaluator {
  public:
-  // Keeps at most `bytes` of answers (at least one bucket; 48 bytes an answer).
+  // Keeps at most `bytes` of answers (at least one bucket; 72 bytes an answer).
   EvaluationCache(std::unique_ptr<Evaluator> evaluator, std::size_t bytes);
 
   void Evaluate(const GameSettings& settings, std::span<const Position> positions,

@@ -26,12 +26,22 @@ struct Position {
 struct Evaluation {
   std::array<float, kActionCount> policy;  // probabilities of all six actions, legal or not; sum 1
   float value;                             // expected outcome, -1 (loss) to +1 (win)
+  // What viewer + 1, + 2, + 3 (mod 4) will do next: probabilities of all six actions in 255ths. All
+  // 0 of the dead, of who stands in fog, and where the network foretells nobody.
+  std::array<std::array<std::uint8_t, kActionCount>, kAgentCount - 1> others{};
 
   friend bool operator==(const Evaluation&, const Evaluation&) = default;
 };
 
+// A probability in Evaluation::others.
+[[nodiscard]] constexpr std::uint8_t InWholes(float probability) {
+  return static_cast<std::uint8_t>(probability * 255 + 0.5F);
+}
+
 // The action of `legal`, which has one, of the highest probability; ties go to the lowest.
 [[nodiscard]] Action BestAction(std::span<const float, kActionCount> policy, ActionSet legal);
+[[nodiscard]] Action BestAction(std::span<const std::uint8_t, kActionCount> policy,
+                                ActionSet legal);
 
 // Questions of many searches that are answered together. Slots are numbered in order of Add until
 // Clear. One thread.

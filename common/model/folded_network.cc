@@ -95,6 +95,10 @@ FoldedNetwork Fold(const WeightsSnapshot& snapshot) {
     network.own_value = Matrix(snapshot, "own.value");
     network.own_policy = Matrix(snapshot, "own.policy");
   }
+  if (description.others_hidden > 0) {
+    network.others_hidden = Linear(snapshot, "others.fc");
+    network.others_policy = Linear(snapshot, "others.policy");
+  }
   return network;
 }
 

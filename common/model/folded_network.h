@@ -44,10 +44,12 @@ struct FoldedNetwork {
   LinearLayer value_output;
   FoldedConvolution policy_convolution;
   LinearLayer policy_output;
-  // The own head, or layers without outputs.
+  // The own head and the one that foretells the others, or layers without outputs.
   LinearLayer own_hidden;
   LinearLayer own_value;
   LinearLayer own_policy;
+  LinearLayer others_hidden;
+  LinearLayer others_policy;
   float leaky_slope = 0;
 };
 

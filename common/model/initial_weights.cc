@@ -10,7 +10,8 @@ namespace {
 constexpr float kLastLayerGain = 0.1F;
 
 bool IsLastLayer(std::string_view name) {
-  return name == "value.fc2.weight" || name == "policy.fc.weight" || name == "own.policy.weight";
+  return name == "value.fc2.weight" || name == "policy.fc.weight" || name == "own.policy.weight" ||
+         name == "others.policy.weight";
 }
 
 bool IsOfBatchNorm(std::string_view name) { return name.find(".bn") != std::string_view::npos; }

@@ -100,6 +100,7 @@ NetworkDescription SmallNetwork() {
   network.value_hidden = 64;
   network.policy_channels = 4;
   network.own_hidden = 64;
+  network.others_hidden = 64;
   return network;
 }
 
@@ -117,6 +118,7 @@ void Validate(const NetworkDescription& description) {
   RequireRange("value_hidden", description.value_hidden, 1, kMaxChannels);
   RequireRange("policy_channels", description.policy_channels, 1, kMaxChannels);
   RequireRange("own_hidden", description.own_hidden, 0, kMaxChannels);
+  RequireRange("others_hidden", description.others_hidden, 0, kMaxChannels);
   if (!(description.leaky_slope >= 0.0F && description.leaky_slope <= 1.0F)) {
     throw Error(StrCat("network description: leaky_slope is ", description.leaky_slope,
                        ", expected 0 to 1"));
@@ -126,9 +128,9 @@ void Validate(const NetworkDescription& description) {
                static_cast<int>(kMaxBlocks));
   for (std::size_t i = 0; i < description.blocks.size(); ++i)
     ValidateBlock(description.blocks[i], i);
-  if (description.own_hidden > 0 && TowerBoardSize(description) != kBoardSize) {
-    throw Error(StrCat("network description: own_hidden is ", description.own_hidden,
-                       " with a stride, expected 0"));
+  if (TowerBoardSize(description) != kBoardSize) {
+    RequireRange("own_hidden with a stride", description.own_hidden, 0, 0);
+    RequireRange("others_hidden with a stride", description.others_hidden, 0, 0);
   }
   const std::int64_t parameters = ParameterCount(description);
   if (parameters > kMaxParameters) {
@@ -165,6 +167,10 @@ std::vector<ArrayShape> ArraysOf(const NetworkDescription& description) {
     list.AddLinear("own.fc", description.own_hidden, channels);
     list.AddMatrix("own.value", description.value_hidden, description.own_hidden);
     list.AddMatrix("own.policy", kActionCount, description.own_hidden);
+  }
+  if (description.others_hidden > 0) {
+    list.AddLinear("others.fc", description.others_hidden, channels);
+    list.AddLinear("others.policy", kActionCount, description.others_hidden);
   }
   return list.Take();
 }

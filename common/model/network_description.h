@@ -38,6 +38,10 @@ struct BlockDescription {
 // 10; nothing is added where no cell is marked), the same for every cell of the board:
 //   own:    channels of that cell -> own_hidden, activation, -> added to the value's hidden layer
 //           before its activation, and -> added to the 6 logits
+// Where others_hidden > 0 it also says what each of the others will do next, from what the tower
+// has of the cell where that one stands (marked in planes 11 to 13; nothing where none is), with
+// the same weights for all of them:
+//   others: channels of that cell -> others_hidden, activation, -> 6 logits
 // Every activation is LeakyReLU(leaky_slope); batch norm divides by sqrt(variance +
 // kBatchNormEpsilon). Convolutions of 3x3 pad the board with one ring of zeros.
 struct NetworkDescription {
@@ -48,7 +52,8 @@ struct NetworkDescription {
   int value_channels = 1;
   int value_hidden = 0;
   int policy_channels = 0;
-  int own_hidden = 0;  // 0: no own head, as in the paper; else the tower must stay 11x11
+  int own_hidden = 0;     // 0: no own head, as in the paper; else the tower must stay 11x11
+  int others_hidden = 0;  // 0: foretells nobody, as in the paper; else as own_hidden
   float leaky_slope = 0.2F;
 
   friend bool operator==(const NetworkDescription&, const NetworkDescription&) = default;
@@ -56,8 +61,8 @@ struct NetworkDescription {
 
 // The network of the paper (344,425 parameters, 21.5 M multiply-adds).
 [[nodiscard]] NetworkDescription PaperNetwork();
-// A network for learning on CPUs (52,415 parameters, 1.6 M multiply-adds): an own head on a tower
-// in which each cell sees the 11x11 cells around it.
+// A network for learning on CPUs (53,893 parameters, 1.6 M multiply-adds): an own head, and one
+// that foretells the others, on a tower in which each cell sees the 11x11 cells around it.
 [[nodiscard]] NetworkDescription SmallNetwork();
 // By name: "paper" or "small". Throws Error otherwise.
 [[nodiscard]] NetworkDescription NetworkByName(std::string_view name);
@@ -78,7 +83,8 @@ void Validate(const NetworkDescription& description);
 // "blocks.<i>.conv<1..3>.weight" and ".bn<1..3>.*" (kResidual: 1..2); depthwise weights are
 // [channels, 1, 3, 3]; "value.conv|bn|fc1|fc2.*", "policy.conv|bn|fc.*" (fc: weight [out, in] and
 // bias [out]; the flattened order is channel, row, column); where there is an own head
-// "own.fc.weight|bias", "own.value.weight", "own.policy.weight".
+// "own.fc.weight|bias", "own.value.weight", "own.policy.weight"; where the others are foretold
+// "others.fc|policy.weight|bias".
 struct ArrayShape {
   std::string name;
   std::vector<std::int64_t> shape;

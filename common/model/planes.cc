@@ -155,9 +155,10 @@ int LastStep(const GameSettings& settings) { return std::max(1, settings.max_ste
 
 }  // namespace
 
-Cell OwnCell(const Position& position) {
-  const AgentState& self = position.state->agents[static_cast<std::size_t>(position.viewer)];
-  return self.alive && position.visible.Has(self.cell) ? Cell{self.cell} : kNoCell;
+Cell MarkedCell(const Position& position, int after) {
+  const auto agent = static_cast<std::size_t>((position.viewer + after) % kAgentCount);
+  const AgentState& marked = position.state->agents[agent];
+  return marked.alive && position.visible.Has(marked.cell) ? Cell{marked.cell} : kNoCell;
 }
 
 void EncodePlanes(const GameSettings& settings, const Position& position,

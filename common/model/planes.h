@@ -49,7 +49,8 @@ inline constexpr int kPlaneCountsSize = (kPlaneCount + 1) * kCellCount;
 void EncodePlaneCounts(const Position& position, std::span<std::int8_t, kPlaneCountsSize> counts);
 [[nodiscard]] std::array<float, kPlaneCount + 1> PlaneScales(const GameSettings& settings);
 
-// The cell that plane 10 marks, or kNoCell if the viewer is dead or stands in fog.
-[[nodiscard]] Cell OwnCell(const Position& position);
+// The cell that plane 10 + `after` marks, that of the agent `after` places behind the viewer;
+// kNoCell if it is dead or stands in fog. Requires 0 <= after < 4.
+[[nodiscard]] Cell MarkedCell(const Position& position, int after);
 
 }  // namespace powderkeg

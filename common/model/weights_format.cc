@@ -2,15 +2,17 @@
 // nothing is aligned or padded:
 //
 //   magic        8 bytes "PKWEIGHT"
-//   format       u32, 2; 1 is read too, which has no checksum
+//   format       u32, 3; older ones are read too: 2 has no others_hidden (0), 1 no checksum either
 //   checksum     u32, CRC-32C of all that follows
 //   version      u32, of the weights
 //   description  i32 planes, stem_channels, stem_stride; u32 blocks;
 //                per block: u8 kind, i32 expanded, channels, stride;
-//                i32 value_channels, value_hidden, policy_channels, own_hidden; f32 leaky_slope
+//                i32 value_channels, value_hidden, policy_channels, own_hidden, others_hidden;
+//                f32 leaky_slope
 //   arrays       u32 count; per array, in the order of ArraysOf(description):
 //                u16 length, name, u8 rank, rank times i64, then the values as f32
-//   canary       u32 count; per position: state, u8 viewer, six f32 policy, f32 value
+//   canary       u32 count; per position: state, u8 viewer, six f32 policy, f32 value, 3 times six
+//                u8 others (from format 3 on)
 //
 //   state        bit boards rigid, wood, item_low, item_high, flames[0..2] of two u64 each (low,
 //                high); u8 bomb_count, per bomb u8 cell, i8 life, u8 blast_strength,
@@ -33,7 +35,8 @@ namespace powderkeg {
 namespace {
 
 constexpr std::array<std::uint8_t, 8> kMagic = {'P', 'K', 'W', 'E', 'I', 'G', 'H', 'T'};
-constexpr std::uint32_t kFormat = 2;
+constexpr std::uint32_t kFormat = 3;
+constexpr std::uint32_t kFormatWithoutOthers = 2;
 constexpr std::uint32_t kFormatWithoutChecksum = 1;
 constexpr std::size_t kChecksumOffset = kMagic.size() + sizeof(kFormat);
 constexpr std::size_t kChecksummedOffset = kChecksumOffset + sizeof(std::uint32_t);
@@ -60,8 +63,9 @@ void Write(const NetworkDescription& description, ByteWriter& out) {
       out.Write(std::int32_t{value});
     }
   }
-  for (const int value : {description.value_channels, description.value_hidden,
-                          description.policy_channels, description.own_hidden}) {
+  for (const int value :
+       {description.value_channels, description.value_hidden, description.policy_channels,
+        description.own_hidden, description.others_hidden}) {
     out.Write(std::int32_t{value});
   }
   out.Write(description.leaky_slope);
@@ -76,7 +80,7 @@ BlockDescription ReadBlock(ByteReader& in) {
   return block;
 }
 
-NetworkDescription ReadDescription(ByteReader& in) {
+NetworkDescription ReadDescription(std::uint32_t format, ByteReader& in) {
   NetworkDescription description;
   description.planes = in.Read<std::int32_t>();
   description.stem_channels = in.Read<std::int32_t>();
@@ -88,6 +92,7 @@ NetworkDescription ReadDescription(ByteReader& in) {
   description.value_hidden = in.Read<std::int32_t>();
   description.policy_channels = in.Read<std::int32_t>();
   description.own_hidden = in.Read<std::int32_t>();
+  if (format > kFormatWithoutOthers) description.others_hidden = in.Read<std::int32_t>();
   description.leaky_slope = in.Read<float>();
   Validate(description);
   return description;
@@ -210,11 +215,14 @@ void Write(const Canary& canary, ByteWriter& out) {
     out.Write(static_cast<std::uint8_t>(canary.viewers[i]));
     out.WriteAll(std::span<const float>(canary.evaluations[i].policy));
     out.Write(canary.evaluations[i].value);
+    for (const auto& policy : canary.evaluations[i].others) {
+      out.WriteAll(std::span<const std::uint8_t>(policy));
+    }
   }
 }
 
 // Answers that are not numbers are kept: no evaluator agrees with them.
-Canary ReadCanary(ByteReader& in) {
+Canary ReadCanary(std::uint32_t format, ByteReader& in) {
   const auto count = in.Read<std::uint32_t>();
   RequireAtMost("canary positions", count, kMaxCanaryPositions);
   Canary canary;
@@ -226,23 +234,28 @@ Canary ReadCanary(ByteReader& in) {
     Evaluation evaluation{};
     in.ReadAll(std::span<float>(evaluation.policy));
     evaluation.value = in.Read<float>();
+    if (format > kFormatWithoutOthers) {
+      for (auto& policy : evaluation.others) in.ReadAll(std::span<std::uint8_t>(policy));
+    }
     canary.evaluations.push_back(evaluation);
   }
   return canary;
 }
 
-void ReadHeader(std::span<const std::uint8_t> bytes, ByteReader& in) {
+// Returns the format.
+std::uint32_t ReadHeader(std::span<const std::uint8_t> bytes, ByteReader& in) {
   std::array<std::uint8_t, kMagic.size()> magic{};
   in.ReadAll(std::span<std::uint8_t>(magic));
   if (magic != kMagic) throw Error("weights: bad magic, expected 'PKWEIGHT'");
   const auto format = in.Read<std::uint32_t>();
-  if (format == kFormatWithoutChecksum) return;
-  if (format != kFormat) {
+  if (format == kFormatWithoutChecksum) return format;
+  if (format != kFormat && format != kFormatWithoutOthers) {
     throw Error(StrCat("weights: format ", format, ", expected at most ", kFormat));
   }
   if (in.Read<std::uint32_t>() != Crc32c(bytes.subspan(kChecksummedOffset))) {
     throw Error("weights: the checksum is wrong: damaged or truncated");
   }
+  return format;
 }
 
 }  // namespace
@@ -265,17 +278,17 @@ std::vector<std::uint8_t> Serialize(const WeightsSnapshot& snapshot) {
 
 WeightsSnapshot Deserialize(std::span<const std::uint8_t> bytes) {
   ByteReader in("weights", bytes);
-  ReadHeader(bytes, in);
+  const std::uint32_t format = ReadHeader(bytes, in);
   WeightsSnapshot snapshot;
   snapshot.version = in.Read<std::uint32_t>();
-  snapshot.description = ReadDescription(in);
+  snapshot.description = ReadDescription(format, in);
   const std::vector<ArrayShape> expected = ArraysOf(snapshot.description);
   const auto count = in.Read<std::uint32_t>();
   if (count != expected.size()) {
     throw Error(StrCat("weights: ", count, " arrays, expected ", expected.size()));
   }
   for (const ArrayShape& array : expected) snapshot.arrays.push_back(ReadArray(array, in));
-  snapshot.canary = ReadCanary(in);
+  snapshot.canary = ReadCanary(format, in);
   in.ExpectEnd();
   Validate(snapshot);
   return snapshot;

@@ -88,6 +88,12 @@ CanaryDifference CompareCanary(const WeightsSnapshot& snapshot, Evaluator& evalu
       largest.policy =
           std::max(largest.policy, Distance(answers[i].policy[action], expected.policy[action]));
     }
+    for (std::size_t other = 0; other < expected.others.size(); ++other) {
+      for (std::size_t action = 0; action < kActionCount; ++action) {
+        const int distance = int{answers[i].others[other][action]} - expected.others[other][action];
+        largest.policy = std::max(largest.policy, static_cast<float>(std::abs(distance)) / 255);
+      }
+    }
     largest.value = std::max(largest.value, Distance(answers[i].value, expected.value));
   }
   return largest;

@@ -83,7 +83,7 @@ void SaveSnapshot(const WeightsSnapshot& snapshot, const std::string& path);
 
 // Largest difference in policy probability and in value over the canary positions.
 struct CanaryDifference {
-  float policy = 0;
+  float policy = 0;  // that of the viewer or a foretold one
   float value = 0;
 };
 // Infinite where the evaluator's answer is not a number.

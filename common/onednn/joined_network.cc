@@ -11,7 +11,7 @@ JoinedNetwork JoinHeads(const FoldedNetwork& network) {
                        .blocks = network.blocks,
                        .head_convolution = value,
                        .head = {},
-                       .needs_tower = network.own_hidden.outputs > 0,
+                       .needs_tower = network.own_hidden.outputs + network.others_hidden.outputs > 0,
                        .leaky_slope = network.leaky_slope};
   FoldedConvolution& convolution = joined.head_convolution;
   convolution.outputs += policy.outputs;

@@ -10,8 +10,8 @@ namespace powderkeg::onednn {
 
 // A folded network whose two heads are one: their 1x1 convolutions side by side, then one linear
 // layer with the value's hidden layer (before its activation) and the policy's logits side by side.
-// What one head does not read of the other's channels has weight 0. The own head, the value's
-// output layer, tanh and softmax are left to the caller.
+// What one head does not read of the other's channels has weight 0. The heads of single
+// cells, the value's output layer, tanh and softmax are left to the caller.
 struct JoinedNetwork {
   FoldedConvolution stem;
   std::vector<FoldedBlock> blocks;

@@ -9,6 +9,8 @@
 #include <mutex>
 #include <numeric>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "common/base/check.h"
@@ -76,40 +78,84 @@ bool Has(dnnl::cpu_isa isa) {
   return (static_cast<unsigned>(dnnl::get_effective_cpu_isa()) & needed) == needed;
 }
 
-// The own head: one cell per position, too little for a primitive.
+// What a head makes of one cell: too little for a primitive.
+class CellLayer {
+ public:
+  CellLayer(LinearLayer layer, float leaky_slope)
+      : layer_(std::move(layer)),
+        leaky_slope_(leaky_slope),
+        hidden_(static_cast<std::size_t>(layer_.outputs)) {}
+
+  // The activated outputs, good until the next call. `tower`: [cell][channel].
+  [[nodiscard]] std::span<const float> Run(std::span<const float> tower, Cell cell) {
+    const auto channels = static_cast<std::size_t>(layer_.inputs);
+    const auto input = tower.subspan(static_cast<std::size_t>(cell) * channels, channels);
+    const std::span<const float> weights(layer_.weights);
+    for (std::size_t i = 0; i < hidden_.size(); ++i) {
+      hidden_[i] = layer_.bias[i] + Dot(weights.subspan(i * channels, channels), input);
+    }
+    Activate(hidden_, leaky_slope_);
+    return hidden_;
+  }
+
+ private:
+  LinearLayer layer_;
+  float leaky_slope_;
+  std::vector<float> hidden_;
+};
+
 class OwnHead {
  public:
   explicit OwnHead(const FoldedNetwork& network)
-      : hidden_layer_(network.own_hidden),
-        output_weights_(network.own_value.weights),
-        leaky_slope_(network.leaky_slope),
-        hidden_(static_cast<std::size_t>(hidden_layer_.outputs)) {
+      : hidden_(network.own_hidden, network.leaky_slope),
+        output_weights_(network.own_value.weights) {
     output_weights_.insert(output_weights_.end(), network.own_policy.weights.begin(),
                            network.own_policy.weights.end());
   }
 
   // Adds its part to `head` ([value_hidden + 6], before activations). `tower`: [cell][channel].
-  void Add(std::span<const float> tower, Cell own_cell, std::span<float> head) {
-    if (own_cell == kNoCell) return;
-    const auto channels = static_cast<std::size_t>(hidden_layer_.inputs);
-    const auto input = tower.subspan(static_cast<std::size_t>(own_cell) * channels, channels);
-    const std::span<const float> hidden_weights(hidden_layer_.weights);
-    for (std::size_t i = 0; i < hidden_.size(); ++i) {
-      hidden_[i] =
-          hidden_layer_.bias[i] + Dot(hidden_weights.subspan(i * channels, channels), input);
-    }
-    Activate(hidden_, leaky_slope_);
-    const std::span<const float> output_weights(output_weights_);
+  void Add(std::span<const float> tower, const Position& position, std::span<float> head) {
+    const Cell cell = MarkedCell(position, 0);
+    if (cell == kNoCell) return;
+    const std::span<const float> hidden = hidden_.Run(tower, cell);
+    const std::span<const float> weights(output_weights_);
     for (std::size_t i = 0; i < head.size(); ++i) {
-      head[i] += Dot(output_weights.subspan(i * hidden_.size(), hidden_.size()), hidden_);
+      head[i] += Dot(weights.subspan(i * hidden.size(), hidden.size()), hidden);
     }
   }
 
  private:
-  LinearLayer hidden_layer_;
+  CellLayer hidden_;
   std::vector<float> output_weights_;  // [value_hidden + 6][own_hidden]
-  float leaky_slope_;
-  std::vector<float> hidden_;
+};
+
+class OthersHead {
+ public:
+  explicit OthersHead(const FoldedNetwork& network)
+      : hidden_(network.others_hidden, network.leaky_slope), output_(network.others_policy) {}
+
+  // `tower`: [cell][channel].
+  void Run(std::span<const float> tower, const Position& position, Evaluation& evaluation) {
+    for (int after = 1; after < kAgentCount; ++after) {
+      auto& other = evaluation.others[static_cast<std::size_t>(after) - 1];
+      other = {};
+      const Cell cell = MarkedCell(position, after);
+      if (cell == kNoCell) continue;
+      const std::span<const float> hidden = hidden_.Run(tower, cell);
+      const std::span<const float> weights(output_.weights);
+      std::array<float, kActionCount> policy;
+      for (std::size_t i = 0; i < policy.size(); ++i) {
+        policy[i] =
+            output_.bias[i] + Dot(weights.subspan(i * hidden.size(), hidden.size()), hidden);
+      }
+      Softmax(policy, policy);
+      std::ranges::transform(policy, other.begin(), InWholes);
+    }
+  }
+
+ private:
+  CellLayer hidden_;
+  LinearLayer output_;
 };
 
 class OnednnEvaluator final : public Evaluator {
@@ -119,7 +165,8 @@ class OnednnEvaluator final : public Evaluator {
         network_(onednn::JoinHeads(network)),
         value_output_(network.value_output),
         engine_(dnnl::engine::kind::cpu, 0) {
-    if (network_.needs_tower) own_head_.emplace(network);
+    if (network.own_hidden.outputs > 0) own_head_.emplace(network);
+    if (network.others_hidden.outputs > 0) others_head_.emplace(network);
     if (precision == Precision::kInt8) {
       const OneThread one_thread;
       quantized_ = onednn::Quantize(network_, onednn::LargestActivations(network_, engine_));
@@ -152,10 +199,9 @@ class OnednnEvaluator final : public Evaluator {
     const std::size_t tower_size = program.tower().size() / positions.size();
     for (std::size_t i = 0; i < positions.size(); ++i) {
       const std::span<float> head = program.output().subspan(i * width, width);
-      if (own_head_.has_value()) {
-        own_head_->Add(program.tower().subspan(i * tower_size, tower_size), OwnCell(positions[i]),
-                       head);
-      }
+      const std::span<const float> tower = program.tower().subspan(i * tower_size, tower_size);
+      if (own_head_) own_head_->Add(tower, positions[i], head);
+      if (others_head_) others_head_->Run(tower, positions[i], evaluations[i]);
       Finish(head, evaluations[i]);
     }
   }
@@ -186,6 +232,7 @@ class OnednnEvaluator final : public Evaluator {
   JoinedNetwork network_;
   LinearLayer value_output_;
   std::optional<OwnHead> own_head_;
+  std::optional<OthersHead> others_head_;
   dnnl::engine engine_;
   std::optional<onednn::QuantizedNetwork> quantized_;      // for int8
   std::array<std::unique_ptr<Program>, kSlice> programs_;  // [positions - 1], made when needed

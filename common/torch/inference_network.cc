@@ -22,6 +22,11 @@ void TakeAnswers(const torch::Tensor& answers, std::span<Evaluation> evaluations
   for (Evaluation& evaluation : evaluations) {
     std::copy_n(answer, kActionCount, evaluation.policy.begin());
     evaluation.value = answer[kActionCount];
+    const float* other = answer + kActionCount + 1;
+    for (auto& policy : evaluation.others) {
+      std::transform(other, other + kActionCount, policy.begin(), InWholes);
+      other += kActionCount;
+    }
     answer += kAnswerSize;
   }
 }
@@ -38,6 +43,11 @@ InferenceNetwork::InferenceNetwork(const FoldedNetwork& network, torch::TensorOp
   value_output_ = Load(network.value_output);
   policy_convolution_ = Load(network.policy_convolution);
   policy_output_ = Load(network.policy_output);
+  foretells_ = network.others_hidden.outputs > 0;
+  if (foretells_) {
+    others_hidden_ = Load(network.others_hidden);
+    others_policy_ = Load(network.others_policy);
+  }
   has_own_head_ = network.own_hidden.outputs > 0;
   if (!has_own_head_) return;
   own_hidden_ = Load(network.own_hidden);
@@ -57,7 +67,9 @@ torch::Tensor InferenceNetwork::Forward(const torch::Tensor& planes) const {
     policy += Run(own_policy_, own);
   }
   const torch::Tensor value = Run(value_output_, Activate(hidden));
-  return torch::cat({policy.to(torch::kFloat32).softmax(1), value.to(torch::kFloat32).tanh()}, 1);
+  return torch::cat(
+      {policy.to(torch::kFloat32).softmax(1), value.to(torch::kFloat32).tanh(), Others(x, input)},
+      1);
 }
 
 torch::Tensor InferenceNetwork::Tensor(const std::vector<float>& values,
@@ -97,6 +109,22 @@ torch::Tensor InferenceNetwork::Run(const BlockLayers& block, const torch::Tenso
   }
   if (block.skip) x += input;
   return block.final_activation ? Activate(x) : x;
+}
+
+torch::Tensor InferenceNetwork::Others(const torch::Tensor& tower,
+                                       const torch::Tensor& input) const {
+  if (!foretells_) {
+    return torch::zeros({input.size(0), (kAgentCount - 1) * kActionCount},
+                        input.options().dtype(torch::kFloat32));
+  }
+  const torch::Tensor marked =
+      input.slice(/*dim=*/1, kOwnCellPlane + 1, kOwnCellPlane + kAgentCount).flatten(2);
+  const torch::Tensor channels = marked.matmul(tower.flatten(2).transpose(1, 2));
+  const torch::Tensor hidden =
+      Activate(torch::linear(channels, others_hidden_.weights, others_hidden_.bias));
+  const torch::Tensor logits = torch::linear(hidden, others_policy_.weights, others_policy_.bias);
+  const torch::Tensor seen = marked.sum(2, /*keepdim=*/true).to(torch::kFloat32);
+  return (logits.to(torch::kFloat32).softmax(2) * seen).flatten(1);
 }
 
 torch::Tensor InferenceNetwork::OwnFeatures(const torch::Tensor& tower,

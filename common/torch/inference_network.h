@@ -15,7 +15,9 @@ namespace powderkeg {
 
 [[nodiscard]] torch::ScalarType ScalarTypeOf(Precision precision);
 
-inline constexpr int kAnswerSize = kActionCount + 1;  // policy probabilities, then the value
+// Policy probabilities, the value, then the probabilities of the three others; 0 of those that are
+// not foretold.
+inline constexpr int kAnswerSize = kActionCount + 1 + (kAgentCount - 1) * kActionCount;
 
 // Reads the first rows of what Forward returned, once it is on the CPU.
 void TakeAnswers(const torch::Tensor& answers, std::span<Evaluation> evaluations);
@@ -25,9 +27,9 @@ class InferenceNetwork {
   // `options`: type and device of weights and activations.
   InferenceNetwork(const FoldedNetwork& network, torch::TensorOptions options);
 
-  // planes: [positions, 23, 11, 11] of any type on any device. Returns [positions, 7] as fp32 on
-  // the network's device: policy probabilities, then value. The same operations on every call, so
-  // that it can be captured as a CUDA graph.
+  // planes: [positions, 23, 11, 11] of any type on any device. Returns [positions, kAnswerSize] as
+  // fp32 on the network's device. The same operations on every call, so that it can be captured as
+  // a CUDA graph.
   [[nodiscard]] torch::Tensor Forward(const torch::Tensor& planes) const;
 
  private:
@@ -61,6 +63,8 @@ class InferenceNetwork {
   // As NetworkImpl::OwnFeatures.
   [[nodiscard]] torch::Tensor OwnFeatures(const torch::Tensor& tower,
                                           const torch::Tensor& input) const;
+  // [positions, 18]
+  [[nodiscard]] torch::Tensor Others(const torch::Tensor& tower, const torch::Tensor& input) const;
 
   torch::TensorOptions options_;
   double leaky_slope_;
@@ -75,6 +79,9 @@ class InferenceNetwork {
   Linear own_hidden_;
   Linear own_value_;
   Linear own_policy_;
+  bool foretells_ = false;
+  Linear others_hidden_;
+  Linear others_policy_;
 };
 
 }  // namespace powderkeg

@@ -89,6 +89,15 @@ void NetworkImpl::RegisterHeads(int channels) {
       RegisterBranch(*policy, channels, description_.policy_channels, /*kernel=*/1, /*stride=*/1);
   policy_output_ = policy->register_module(
       "fc", torch::nn::Linear(description_.policy_channels * cells, kActionCount));
+  RegisterCellHeads(channels);
+}
+
+void NetworkImpl::RegisterCellHeads(int channels) {
+  if (const int others = description_.others_hidden; others > 0) {
+    auto head = register_module("others", std::make_shared<torch::nn::Module>());
+    others_hidden_ = head->register_module("fc", torch::nn::Linear(channels, others));
+    others_policy_ = head->register_module("policy", torch::nn::Linear(others, kActionCount));
+  }
   if (description_.own_hidden == 0) return;
   const int own = description_.own_hidden;
   const auto matrix = [own](int outputs) {
@@ -117,6 +126,14 @@ torch::Tensor NetworkImpl::OwnFeatures(const torch::Tensor& tower, const torch::
   return Activate(own_hidden_(channels), description_.leaky_slope) * marked.sum({2, 3});
 }
 
+torch::Tensor NetworkImpl::OthersLogits(const torch::Tensor& tower, const torch::Tensor& planes) {
+  const torch::Tensor marked =
+      planes.slice(/*dim=*/1, kOwnCellPlane + 1, kOwnCellPlane + kAgentCount).flatten(2);
+  const torch::Tensor channels = marked.matmul(tower.flatten(2).transpose(1, 2));
+  const torch::Tensor hidden = Activate(others_hidden_(channels), description_.leaky_slope);
+  return others_policy_(hidden) * marked.sum(2, /*keepdim=*/true);
+}
+
 NetworkOutput NetworkImpl::forward(const torch::Tensor& planes) {
   torch::Tensor x = Run(stem_, planes);
   for (Block& block : blocks_) x = block(x);
@@ -128,7 +145,9 @@ NetworkOutput NetworkImpl::forward(const torch::Tensor& planes) {
     logits = logits + own_policy_(own);
   }
   const torch::Tensor value = value_output_(Activate(hidden, description_.leaky_slope));
-  return {.policy_logits = logits, .value = torch::tanh(value).squeeze(1)};
+  return {.policy_logits = logits,
+          .value = torch::tanh(value).squeeze(1),
+          .others_logits = others_hidden_ ? OthersLogits(x, planes) : torch::Tensor()};
 }
 
 }  // namespace powderkeg

@@ -12,6 +12,9 @@ namespace powderkeg {
 struct NetworkOutput {
   torch::Tensor policy_logits;  // [positions, 6]
   torch::Tensor value;          // [positions], -1 to +1
+  // [positions, 3, 6], of viewer + 1, + 2, + 3; 0 of who is not marked in the planes. Undefined
+  // where the network foretells nobody.
+  torch::Tensor others_logits;
 };
 
 // One block of the tower (see BlockDescription).
@@ -53,8 +56,10 @@ class NetworkImpl : public torch::nn::Module {
   Branch RegisterBranch(torch::nn::Module& parent, int inputs, int outputs, int kernel, int stride);
   torch::Tensor Run(Branch& branch, const torch::Tensor& input) const;
   void RegisterHeads(int channels);
+  void RegisterCellHeads(int channels);
   // [positions, own_hidden] from what the tower says of the own cell.
   torch::Tensor OwnFeatures(const torch::Tensor& tower, const torch::Tensor& planes);
+  torch::Tensor OthersLogits(const torch::Tensor& tower, const torch::Tensor& planes);
 
   NetworkDescription description_;
   Branch stem_;
@@ -68,6 +73,9 @@ class NetworkImpl : public torch::nn::Module {
   torch::nn::Linear own_hidden_{nullptr};
   torch::nn::Linear own_value_{nullptr};
   torch::nn::Linear own_policy_{nullptr};
+  // Likewise.
+  torch::nn::Linear others_hidden_{nullptr};
+  torch::nn::Linear others_policy_{nullptr};
 };
 TORCH_MODULE(Network);
 

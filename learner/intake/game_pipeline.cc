@@ -10,6 +10,7 @@
 #include "common/config/config.h"
 #include "common/record/game_setup.h"
 #include "common/wire/codec.h"
+#include "learner/intake/plausible.h"
 
 namespace powderkeg {
 namespace {
@@ -43,6 +44,7 @@ GamePipeline::GamePipeline(PipelineSettings settings, AppendGames append, Ticket
       append_(std::move(append)),
       waker_(waker),
       stored_(std::move(stored)),
+      newest_version_(settings_.newest_version),
       to_verify_(settings_.capacity),
       to_store_(settings_.capacity) {
   store_ = std::make_unique<Worker>("store", [this](const std::stop_token&) { RunStore(); });
@@ -110,11 +112,13 @@ GamePipeline::VerifiedGame GamePipeline::Check(const SubmittedGame& submitted) c
     auto made = MakeLessons(checked.record);
     if (const auto* reason = std::get_if<std::string>(&made)) {
       verdict.reason = *reason;
-      verdict.outdated = verdict.other_settings;  // perhaps true when it was played
     } else {
+      verdict.reason = WhyImplausible(checked.record, games_, newest_version_).value_or("");
       checked.lessons = std::get<Lessons>(std::move(made));
       verdict.decisions = checked.lessons.samples.size();
     }
+    // Perhaps true when it was played.
+    verdict.outdated = !verdict.reason.empty() && verdict.other_settings;
   }
   if (!verdict.reason.empty()) verdict.kind = Verdict::Kind::kRejected;
   return checked;

@@ -2,6 +2,7 @@
 
 // From a received game to a durable one: verify workers, then one store thread.
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstddef>
@@ -37,8 +38,9 @@ struct PipelineSettings {
   int verify_threads = 1;
   // A game waits at most this long for others to be made durable with it.
   std::chrono::milliseconds commit_interval{250};
-  std::size_t commit_games = 4096;  // at most, at once
-  std::size_t capacity = 65'536;    // games in it
+  std::size_t commit_games = 4096;   // at most, at once
+  std::size_t capacity = 65'536;     // games in it
+  std::uint32_t newest_version = 0;  // of weights that were published earlier
 };
 
 // What became of one submitted game.
@@ -74,6 +76,11 @@ class GamePipeline {
   // the actor's queue does not run over with as many messages as it has games.
   [[nodiscard]] std::vector<Verdict> TakeVerdicts();
 
+  // Actors may have weights of this version from now on.
+  void Published(std::uint32_t version) {
+    newest_version_ = std::max(version, newest_version_.load());
+  }
+
   // Takes no more games, waits until those in it are durable or rejected and ends the threads.
   // Rethrows the first Error of a thread. May be called again.
   void Drain();
@@ -105,6 +112,7 @@ class GamePipeline {
   const AppendGames append_;
   const Waker& waker_;
   TicketSet stored_;  // the store thread's
+  std::atomic<std::uint32_t> newest_version_;
   BoundedQueue<SubmittedGame> to_verify_;
   BoundedQueue<VerifiedGame> to_store_;
   mutable std::mutex mutex_;  // guards verdicts_

@@ -31,6 +31,7 @@ PipelineSettings PipelineSettingsOf(const SessionServerSettings& settings) {
   pipeline.verify_threads = settings.verify_threads;
   pipeline.commit_interval = settings.commit_interval;
   pipeline.capacity = settings.max_pending_games;
+  pipeline.newest_version = settings.newest_version;
   return pipeline;
 }
 
@@ -64,6 +65,7 @@ SessionServer::~SessionServer() {
 }
 
 void SessionServer::Publish(const Snapshot& snapshot) {
+  if (snapshot) pipeline_.Published(snapshot->version);
   weights_.Publish(snapshot);
   waker_.Notify();
 }

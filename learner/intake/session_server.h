@@ -62,6 +62,7 @@ struct SessionServerSettings {
   // Past versions that actors ask for: from where, and how many stay in memory.
   LoadWeights load_weights;
   std::size_t weights_kept = 8;
+  std::uint32_t newest_version = 0;  // of weights that were published by earlier starts
 };
 
 struct ActorStatistics {

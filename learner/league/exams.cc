@@ -13,7 +13,7 @@ Exams::Exams(const std::filesystem::path& file, const RunGames& games, int itera
 }
 
 void Exams::Add(int iteration, std::span<const GameResult> results) {
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   for (const GameResult& result : results) {
     const std::string& exam = names_.at(result.lineup);
     if (exam.empty()) continue;
@@ -22,7 +22,9 @@ void Exams::Add(int iteration, std::span<const GameResult> results) {
       rows_[{iteration, StrCat(finish.weights_version), exam}].Add(finish.outcome);
     }
   }
-  file_.Write(rows_);
+  const ScoreRows rows = rows_;
+  lock.unlock();  // nobody waits for the disk
+  file_.Write(rows);
 }
 
 std::vector<Exams::Row> Exams::Of(int iteration) const {

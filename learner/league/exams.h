@@ -21,7 +21,7 @@ class Exams {
   // Throws Error if the file is damaged.
   Exams(const std::filesystem::path& file, const RunGames& games, int iterations_done);
 
-  // The results of an iteration, durable when it returns. Throws Error.
+  // The results of an iteration, durable when it returns. Throws Error. One thread.
   void Add(int iteration, std::span<const GameResult> results);
 
   struct Row {

@@ -47,7 +47,7 @@ League::League(const std::filesystem::path& file, std::vector<std::string> playe
 }
 
 void League::Add(int iteration, std::span<const GameResult> results) {
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   for (const GameResult& result : results) {
     for (AgentId first = 0; first < kAgentCount; ++first) {
       for (AgentId second = first + 1; second < kAgentCount; ++second) {
@@ -55,7 +55,9 @@ void League::Add(int iteration, std::span<const GameResult> results) {
       }
     }
   }
-  file_.Write(rows_);
+  const ScoreRows rows = rows_;
+  lock.unlock();  // nobody waits for the disk
+  file_.Write(rows);
 }
 
 Contestant League::ContestantOf(const Finish& finish) const {

@@ -37,7 +37,7 @@ class League {
   // of iterations that are now repeated, and dropped. Throws Error with the line.
   League(const std::filesystem::path& file, std::vector<std::string> players, int iterations_done);
 
-  // The results of an iteration, durable when it returns. Throws Error.
+  // The results of an iteration, durable when it returns. Throws Error. One thread.
   void Add(int iteration, std::span<const GameResult> results);
 
   // The version to meet of those from `oldest` to before `newest`: from newest - 1, - 2, - 4, ...,

@@ -8,6 +8,7 @@
 #include "common/pommerman/belief.h"
 #include "common/pommerman/observation.h"
 #include "common/record/game_setup.h"
+#include "common/recorded/recorded_game.h"
 
 namespace powderkeg {
 namespace {
@@ -42,11 +43,10 @@ class Teacher {
     PlaySummary& summary = taught ? lessons_.play : lessons_.exam;
     Summarize(summary);
     for (Sample& sample : lessons_.samples) sample.outcome = OutcomeOf(sample.viewer);
-    for (AgentId agent = 0; agent < kAgentCount; ++agent) {
-      lessons_.result.finishes[agent] = FinishOf(agent);
-    }
-    lessons_.result.outcome = game_.outcome;
-    lessons_.result.lineup = game_.setup.lineup;
+    GameResult& result = lessons_.result.emplace();
+    for (AgentId agent = 0; agent < kAgentCount; ++agent) result.finishes[agent] = FinishOf(agent);
+    result.outcome = game_.outcome;
+    result.lineup = game_.setup.lineup;
     lessons_.ticket = game_.ticket;
     return std::move(lessons_);
   }
@@ -125,6 +125,21 @@ class Teacher {
   Lessons lessons_;
 };
 
+// Before it is played again.
+GameRecord RecordOf(const RecordedGame& game, std::uint64_t ticket) {
+  GameRecord record;
+  record.ticket = ticket;
+  record.setup.settings = game.settings;
+  for (const RecordedStep& step : game.steps) record.actions.push_back(step.actions);
+  const State& end = game.steps.empty() ? game.start : game.steps.back().state;
+  for (AgentId agent = 0; agent < SeatCount(game.settings.mode); ++agent) {
+    const bool lost = !IsTeamMode(game.settings.mode) && !end.agents[agent].alive;
+    if (game.result == Result::kIncomplete && !lost) continue;
+    record.setup.seats[agent] = {.searches = true, .teaches = Teaches::kMoves, .measured = true};
+  }
+  return record;
+}
+
 }  // namespace
 
 PlaySummary& PlaySummary::operator+=(const PlaySummary& other) {
@@ -142,7 +157,7 @@ void DataSet::Add(Lessons&& lessons, Part part) {
                     std::back_inserter(part == Part::kTraining ? samples : held_out));
   play += lessons.play;
   exam += lessons.exam;
-  results.push_back(lessons.result);
+  if (lessons.result) results.push_back(*lessons.result);
 }
 
 std::variant<Lessons, std::string> MakeLessons(const GameRecord& game) {
@@ -152,6 +167,31 @@ std::variant<Lessons, std::string> MakeLessons(const GameRecord& game) {
   });
   if (reason) return *reason;
   return teacher.TakeLessons();
+}
+
+std::variant<Lessons, std::string> MakeLessons(const RecordedGame& game, std::uint64_t ticket) {
+  GameRecord record = RecordOf(game, ticket);
+  Teacher teacher(record);
+  State state = game.start;
+  for (const RecordedStep& step : game.steps) {
+    if (record.outcome.done) return StrCat("step ", state.step, ": the game is over before it");
+    teacher.Observe(state, step.actions);
+    Collapse(game.settings, state);
+    Step(game.settings, step.actions, step.messages, state);
+    record.outcome = OutcomeOf(game.settings, state);
+    State collapsed = state;
+    Collapse(game.settings, collapsed);
+    if (collapsed != step.state) {
+      return StrCat("step ", state.step, ": its position does not follow from the one before");
+    }
+  }
+  if (game.result != record.outcome.result || game.winners != record.outcome.winners) {
+    return "the result does not follow from its last position";
+  }
+  Lessons lessons = teacher.TakeLessons();
+  lessons.result.reset();
+  for (Sample& sample : lessons.samples) sample.end_step = state.step;
+  return lessons;
 }
 
 }  // namespace powderkeg

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -13,6 +14,8 @@
 #include "common/record/game_record.h"
 
 namespace powderkeg {
+
+struct RecordedGame;
 
 // One decision as a training example. Planes are encoded when a batch is built.
 struct Sample {
@@ -60,10 +63,10 @@ struct GameResult {
 // What one game has to teach.
 struct Lessons {
   std::uint64_t ticket = 0;
-  std::vector<Sample> samples;  // ascending by step, then agent
-  PlaySummary play;             // of this game, where somebody taught
-  PlaySummary exam;             // where nobody did
-  GameResult result;
+  std::vector<Sample> samples;       // ascending by step, then agent
+  PlaySummary play;                  // of this game, where somebody taught
+  PlaySummary exam;                  // where nobody did
+  std::optional<GameResult> result;  // none: nobody of the run played
 };
 
 // The games of one iteration. A value; one thread.
@@ -82,5 +85,10 @@ struct DataSet {
 // for whoever was dead before the last step of a free-for-all that ends in a tie. Returns the
 // reason for refusal if the record does not verify. Never throws, safe on records from peers.
 [[nodiscard]] std::variant<Lessons, std::string> MakeLessons(const GameRecord& game);
+
+// The same of a game that was recorded elsewhere: every agent teaches what it did, but of a game
+// that was cut off only who had lost by then. Requires game.Known().
+[[nodiscard]] std::variant<Lessons, std::string> MakeLessons(const RecordedGame& game,
+                                                             std::uint64_t ticket);
 
 }  // namespace powderkeg

@@ -17,6 +17,7 @@
 #include "common/config/config.h"
 #include "common/record/ticket_set.h"
 #include "common/wire/zmq_transport.h"
+#include "learner/replay/demonstrations.h"
 #include "learner/report/dashboard.h"
 #include "learner/report/figures.h"
 #include "learner/report/iteration_table.h"
@@ -33,11 +34,8 @@ std::vector<std::string> NamesOfPlayers(const RunGames& games) {
   return names;
 }
 
-// Throws Error where a player's weights cannot be read.
-void CheckWeightsFiles(const RunGames& games) {
-  for (const Player& player : games.players()) {
-    if (player.weights == PlayerSpec::Weights::kFile) (void)LoadModel(player.weights_file);
-  }
+bool AsksForPredictions(const Player& player) {
+  return player.agent.kind == AgentSpec::Kind::kSearch && Predicts(player.agent.search);
 }
 
 LiveStatus StatusOf(const LearnerLoop::Progress& progress, const IntakeStatistics& intake,
@@ -83,7 +81,8 @@ Learner::Learner(const LearnerSettings& settings)
       league_(settings.folder / "league.csv", NamesOfPlayers(games_), loop_.progress().iteration),
       exams_(settings.folder / "exams.csv", games_, loop_.progress().iteration),
       past_rng_(UniqueNumber()) {
-  CheckWeightsFiles(games_);
+  KeepWeights();
+  LoadDemonstrations(settings.demonstrations);
   const std::vector<std::uint64_t> known = LoadGames();
   log::Info("run opened", "folder", settings.folder.string(), "games", known.size(),
             "iterations_done", loop_.progress().iteration);
@@ -151,6 +150,30 @@ LearnerLoopHooks Learner::LoopHooks() {
               }};
 }
 
+// Those that are named by files, from now on copies of the run; they can be read.
+void Learner::KeepWeights() const {
+  for (const Player& player : games_.players()) {
+    NetworkDescription network = NetworkByName(config_.training.network);
+    if (player.weights == PlayerSpec::Weights::kFile) {
+      network = LoadSnapshot(WeightsOfPlayer(folder_, player).string())->description;
+    }
+    if (network.others_hidden > 0 || !AsksForPredictions(player)) continue;
+    throw Error(StrCat("self_play.player ", player.name,
+                       " searches with opponents predicted, but its network foretells nobody; "
+                       "expected training.network small, or other weights"));
+  }
+}
+
+void Learner::LoadDemonstrations(std::span<const std::filesystem::path> given) {
+  const std::vector<std::filesystem::path> files = DemonstrationsOfRun(folder_, given);
+  if (files.empty() || !loop_.Wants(0)) return;
+  std::vector<Lessons> games;
+  ReadDemonstrations(files, config_.self_play.environment,
+                     [&](Lessons&& game) { games.push_back(std::move(game)); });
+  display_.ShowLine(StrCat(games.size(), " recorded games to learn from first"));
+  loop_.AddDemonstrations(std::move(games));
+}
+
 void Learner::ShowExams(int iteration) {
   const std::vector<Exams::Row> exams = exams_.Of(iteration);
   for (const auto& [exam, score] : exams) {
@@ -195,7 +218,8 @@ std::vector<std::uint8_t> Learner::LoadWeights(std::uint32_t version) {
     if (version < kFirstFileVersion) return ReadFileBytes(WeightsPath(folder_, version));
     const std::size_t player = version - kFirstFileVersion;
     if (player >= games_.players().size()) return {};
-    WeightsSnapshot snapshot = *LoadModel(games_.players()[player].weights_file);
+    WeightsSnapshot snapshot =
+        *LoadSnapshot(WeightsOfPlayer(folder_, games_.players()[player]).string());
     snapshot.version = version;
     return Serialize(snapshot);
   } catch (const Error& error) {
@@ -206,12 +230,20 @@ std::vector<std::uint8_t> Learner::LoadWeights(std::uint32_t version) {
   }
 }
 
+// It may have been published, and be later than the checkpoint that the run goes on from.
+std::uint32_t Learner::NewestSavedVersion() const {
+  auto version = static_cast<std::uint32_t>(loop_.progress().iteration) + 1;
+  while (std::filesystem::exists(WeightsPath(folder_, version + 1))) ++version;
+  return version;
+}
+
 void Learner::ServeActors(const LearnerSettings& settings, std::span<const std::uint64_t> known) {
   std::optional<std::filesystem::path> keys;
   if (!settings.keys.empty()) keys = settings.keys;
   SessionServerSettings server;
   server.run_id = RunIdOf(settings.folder);
   server.self_play = config_.self_play;
+  server.newest_version = NewestSavedVersion();
   server.newest_weights_only = config_.training.sequential;
   server.games_wanted = [this] { return loop_.GamesWanted(); };
   server.load_weights = [this](std::uint32_t version) { return LoadWeights(version); };

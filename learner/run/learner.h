@@ -29,14 +29,15 @@
 namespace powderkeg {
 
 struct LearnerSettings {
-  std::filesystem::path folder;            // of the run; must exist
-  std::string config;                      // a file of settings; empty: those stored in the folder
-  std::vector<std::string> changes;        // PATH=VALUE
-  std::string listen;                      // tcp://... or ipc://...
-  std::string keys;                        // folder of CURVE keys; empty: none
-  bool insecure = false;                   // other machines may come without keys
-  std::string first_weights;               // of a new run, as LoadFirstState; empty: untrained
-  std::optional<HttpServerSettings> http;  // of the dashboard
+  std::filesystem::path folder;      // of the run; must exist
+  std::string config;                // a file of settings; empty: those stored in the folder
+  std::vector<std::string> changes;  // PATH=VALUE
+  std::string listen;                // tcp://... or ipc://...
+  std::string keys;                  // folder of CURVE keys; empty: none
+  bool insecure = false;             // other machines may come without keys
+  std::string first_weights;         // of a new run, as LoadFirstState; empty: untrained
+  std::vector<std::filesystem::path> demonstrations;  // of a new run
+  std::optional<HttpServerSettings> http;             // of the dashboard
 };
 
 class Learner {
@@ -51,11 +52,14 @@ class Learner {
  private:
   [[nodiscard]] LearnerLoopSettings LoopSettings(const LearnerSettings& settings) const;
   [[nodiscard]] LearnerLoopHooks LoopHooks();
+  void KeepWeights() const;
+  void LoadDemonstrations(std::span<const std::filesystem::path> given);
   // Where there are several.
   void ShowExams(int iteration);
   [[nodiscard]] std::vector<std::uint64_t> LoadGames();
   [[nodiscard]] std::uint32_t DrawPast();
   [[nodiscard]] std::vector<std::uint8_t> LoadWeights(std::uint32_t version);
+  [[nodiscard]] std::uint32_t NewestSavedVersion() const;
   void ServeActors(const LearnerSettings& settings, std::span<const std::uint64_t> known);
   void ServeHttp(const HttpServerSettings& settings);
   void Append(const std::vector<GameRecord>& games, std::vector<Lessons> lessons);

@@ -21,11 +21,14 @@
 #include "common/base/name.h"
 #include "common/base/unique.h"
 #include "common/config/config.h"
+#include "common/model/weights_snapshot.h"
+#include "learner/replay/demonstrations.h"
 
 namespace powderkeg {
 namespace {
 
 constexpr std::size_t kLongestInId = 40;
+constexpr std::string_view kDemonstrations = "demonstrations";
 
 // What a run keeps: its games, weights and table are of these.
 constexpr std::array<std::string_view, 4> kKept = {"environment", "board_generator", "corners",
@@ -33,6 +36,17 @@ constexpr std::array<std::string_view, 4> kKept = {"environment", "board_generat
 
 std::filesystem::path StoredConfig(const std::filesystem::path& folder) {
   return folder / "config.textproto";
+}
+
+bool HasBegun(const std::filesystem::path& folder) {
+  return std::filesystem::exists(StoredConfig(folder));
+}
+
+// Throws Error where a run goes on without demonstrations that it is given.
+void RequireDemonstrations(const std::filesystem::path& kept, bool given) {
+  if (!given || std::filesystem::exists(kept)) return;
+  throw Error(StrCat("demonstrations are given, but this run has no ", kept.string(),
+                     ": it began without; expected a new run, or none"));
 }
 
 template <typename Settings>
@@ -88,7 +102,7 @@ std::string RunIdOf(const std::filesystem::path& folder) {
 
 RunConfig ConfigOfRun(const std::filesystem::path& folder, const std::string& file,
                       std::span<const std::string> changes) {
-  if (!std::filesystem::exists(StoredConfig(folder))) return LoadConfig(file, changes);
+  if (!HasBegun(folder)) return LoadConfig(file, changes);
   const std::string stored = StoredConfig(folder).string();
   const RunConfig before = LoadConfig(stored, {});
   const RunConfig now = LoadConfig(file.empty() ? stored : file, changes);
@@ -105,6 +119,45 @@ void CheckRun(const std::filesystem::path& folder, const std::string& file,
 
 void StoreConfig(const std::filesystem::path& folder, const RunConfig& config) {
   WriteFileDurably(StoredConfig(folder), BytesOf(ToText(config)));
+}
+
+std::vector<std::filesystem::path> DemonstrationsOfRun(
+    const std::filesystem::path& folder, std::span<const std::filesystem::path> given) {
+  const std::filesystem::path kept = folder / kDemonstrations;
+  if (HasBegun(folder)) {
+    RequireDemonstrations(kept, !given.empty());
+  } else {
+    std::filesystem::remove_all(kept);  // of a start that failed
+    if (!given.empty()) CreateFolder(kept);
+    for (std::size_t i = 0; i < given.size(); ++i) {
+      const std::string name = Format("%06zu-", i) + given[i].filename().string();
+      WriteFileDurably(kept / name, ReadFileBytes(given[i]));
+    }
+  }
+  if (!std::filesystem::exists(kept)) return {};
+  return FilesIn(kept);
+}
+
+void CheckDemonstrations(const std::filesystem::path& folder,
+                         std::span<const std::filesystem::path> given,
+                         const std::string& environment) {
+  if (HasBegun(folder)) {
+    RequireDemonstrations(folder / kDemonstrations, !given.empty());
+  } else {
+    ReadDemonstrations(given, environment, [](const Lessons&) {});
+  }
+}
+
+std::filesystem::path WeightsOfPlayer(const std::filesystem::path& folder, const Player& player) {
+  const std::uint32_t code = Crc32c(BytesOf(player.weights_file));  // another file, another copy
+  const std::filesystem::path kept =
+      folder / "players" / Format("%s-%08" PRIx32 ".weights", player.name.c_str(), code);
+  if (!HasBegun(folder) || !std::filesystem::exists(kept)) {
+    const Snapshot weights = LoadModel(player.weights_file);
+    CreateFolder(kept.parent_path());
+    SaveSnapshot(*weights, kept.string());
+  }
+  return kept;
 }
 
 }  // namespace powderkeg

@@ -1,13 +1,15 @@
 #pragma once
 
-// The folder of a run, runs/NAME: whose it is, what it is called and with which settings it goes
-// on.
+// The folder of a run, runs/NAME: whose it is, what it is called, with which settings it goes on,
+// and the files that it was given.
 
 #include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "common/config/players.h"
 #include "common/config/run_config.h"
 #include "learner/run/run_claim.h"
 
@@ -46,6 +48,25 @@ class RunLock {
 void CheckRun(const std::filesystem::path& folder, const std::string& file,
               std::span<const std::string> changes);
 
+// From now on the run has begun.
 void StoreConfig(const std::filesystem::path& folder, const RunConfig& config);
+
+// A run that begins copies the files that it is given, and goes on from its copies, wherever that
+// is and whatever became of the files.
+
+// The files of demonstrations, in their order: copies of `given`, in demonstrations/. Throws Error
+// if they cannot be copied, or are given to a run that began without.
+[[nodiscard]] std::vector<std::filesystem::path> DemonstrationsOfRun(
+    const std::filesystem::path& folder, std::span<const std::filesystem::path> given);
+
+// Throws Error unless the run may begin, or goes on, when it is given these. Writes nothing.
+void CheckDemonstrations(const std::filesystem::path& folder,
+                         std::span<const std::filesystem::path> given,
+                         const std::string& environment);
+
+// The weights of a player that names a file, copied to players/ (also where a run that has begun
+// names it only now). Throws Error if they cannot be read or copied.
+[[nodiscard]] std::filesystem::path WeightsOfPlayer(const std::filesystem::path& folder,
+                                                    const Player& player);
 
 }  // namespace powderkeg

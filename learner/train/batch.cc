@@ -10,6 +10,31 @@
 namespace powderkeg {
 namespace {
 
+constexpr std::size_t kOthersSize = (kAgentCount - 1) * kActionCount;
+
+// What the three others did in a position that was in view, and what they might have done.
+void AddOthers(const GameSettings& settings, const Sample& sample, Symmetry symmetry, float* did,
+               float* legal) {
+  const State& state = sample.state;
+  std::fill_n(did, kOthersSize, 0.0F);
+  std::fill_n(legal, kOthersSize, 0.0F);
+  const BitBoard visible = VisibleCells(settings, state.agents[sample.viewer].cell);
+  for (AgentId i = 0; i < kAgentCount - 1; ++i, did += kActionCount, legal += kActionCount) {
+    const AgentId agent = (sample.viewer + 1 + i) % kAgentCount;
+    const AgentState& other = state.agents[static_cast<std::size_t>(agent)];
+    if (!other.alive || !visible.Has(other.cell)) continue;
+    const ActionSet allowed = LegalActions(state, agent);
+    const auto turned = [&](int action) {
+      return static_cast<std::size_t>(Transform(symmetry, static_cast<Action>(action)));
+    };
+    for (int action = 0; action < kActionCount; ++action) {
+      legal[turned(action)] = static_cast<float>(allowed >> action & 1);
+    }
+    const auto action = static_cast<int>(sample.others[static_cast<std::size_t>(i)]);
+    did[turned((allowed >> action & 1) != 0 ? action : 0)] = 1;
+  }
+}
+
 void EncodeState(const GameSettings& settings, const State& state, AgentId viewer,
                  std::span<float, kPlanesSize> planes) {
   const Cell cell = state.agents[static_cast<std::size_t>(viewer)].cell;
@@ -37,6 +62,8 @@ void BuildBatch(const GameSettings& settings, const TargetSettings& targets,
   batch.planes.resize(samples.size() * kPlanesSize);
   batch.policies.resize(samples.size() * kActionCount);
   batch.values.resize(samples.size());
+  batch.others.resize(samples.size() * kOthersSize);
+  batch.others_legal.resize(samples.size() * kOthersSize);
   const bool turns = settings.board_size == kBoardSize;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Sample& sample = *samples[i];
@@ -50,6 +77,8 @@ void BuildBatch(const GameSettings& settings, const TargetSettings& targets,
       policy[static_cast<std::size_t>(Transform(symmetry, static_cast<Action>(action)))] =
           target[action];
     }
+    AddOthers(settings, sample, symmetry, batch.others.data() + i * kOthersSize,
+              batch.others_legal.data() + i * kOthersSize);
     const auto search_weight =
         sample.searched ? static_cast<float>(targets.search_value_weight) : 0.0F;
     const float outcome =

@@ -19,6 +19,10 @@ struct TrainingBatch {
   std::vector<float> planes;    // [size, 23, 11, 11]
   std::vector<float> policies;  // [size, 6], each row a distribution or, without a target, all 0
   std::vector<float> values;    // [size], -1 to +1, the viewer's view
+  // [size, 3, 6], of viewer + 1, + 2, + 3: 1 for what it did next (an action that its position does
+  // not allow is a stop), 0 for all others, and of who is dead or was not in view.
+  std::vector<float> others;
+  std::vector<float> others_legal;  // [size, 3, 6], of the same: 1 what its position allows, else 0
 };
 
 // How targets are made; weights from 0 to 1.

@@ -26,11 +26,13 @@ struct IterationReport {
   double policy_loss = 0;
   double value_loss = 0;
   double policy_accuracy = 0;  // how often the network's best action is the target's
+  double others_accuracy = 0;  // how often it foretold what one of the others in view did next
   // The same of the samples that are held out, if any.
   std::uint64_t held_out_samples = 0;
   double held_out_policy_loss = 0;
   double held_out_value_loss = 0;
   double held_out_accuracy = 0;
+  double held_out_others_accuracy = 0;
   double samples_per_s = 0;  // trained
   double waited_s = 0;       // for games
   double trained_s = 0;

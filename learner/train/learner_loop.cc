@@ -38,8 +38,26 @@ TrainerState UntrainedState(const LearnerLoopSettings& settings) {
   return state;
 }
 
-void ExpectNetwork(const TrainerState& state, const std::string& name) {
-  if (state.weights.description == NetworkByName(name)) return;
+// Weights of the same network without the head that foretells the others get a new one; the
+// optimizer then starts anew.
+void AddMissingHead(const NetworkDescription& network, Rng rng, TrainerState& state) {
+  NetworkDescription with_head = state.weights.description;
+  with_head.others_hidden = network.others_hidden;
+  if (state.weights.description == network || with_head != network) return;
+  const WeightsSnapshot fresh = InitialWeights(network, rng);
+  const auto known = static_cast<std::ptrdiff_t>(state.weights.arrays.size());
+  state.weights.arrays.insert(state.weights.arrays.end(), fresh.arrays.begin() + known,
+                              fresh.arrays.end());
+  state.weights.description = network;
+  state.optimizer.clear();
+  log::Info("the weights to go on from foretell nobody: they learn it from now on");
+}
+
+void FitNetwork(const LearnerLoopSettings& settings, TrainerState& state) {
+  const std::string& name = settings.training.network;
+  const NetworkDescription network = NetworkByName(name);
+  AddMissingHead(network, Rng(settings.seed).Split(kInitialWeights), state);
+  if (state.weights.description == network) return;
   throw Error(StrCat("training.network is ", name,
                      ", but the weights to go on from are of another network"));
 }
@@ -63,6 +81,7 @@ IterationReport MakeReport(int iteration, const DataSet& data_set, const Trainin
   report.policy_loss = training.policy_loss;
   report.value_loss = training.value_loss;
   report.policy_accuracy = training.policy_accuracy;
+  report.others_accuracy = training.others_accuracy;
   report.samples_per_s = training.samples_per_s;
   return report;
 }
@@ -72,6 +91,7 @@ void AddHeldOut(const TrainingResult& measured, IterationReport& report) {
   report.held_out_policy_loss = measured.policy_loss;
   report.held_out_value_loss = measured.value_loss;
   report.held_out_accuracy = measured.policy_accuracy;
+  report.held_out_others_accuracy = measured.others_accuracy;
 }
 
 }  // namespace
@@ -117,7 +137,7 @@ LearnerLoop::LearnerLoop(LearnerLoopSettings settings, LearnerLoopHooks hooks)
       schedule_(MakeSchedule(settings_.training, {})) {
   PrepareFolder(settings_.folder / "weights");
   TrainerState state = FirstOrNewestState();
-  ExpectNetwork(state, settings_.training.network);
+  FitNetwork(settings_, state);
   version_ = state.weights.version;
   trainer_ = std::make_unique<Trainer>(
       TrainerSettings{settings_.training, settings_.game, settings_.precision}, state);
@@ -127,8 +147,8 @@ LearnerLoop::LearnerLoop(LearnerLoopSettings settings, LearnerLoopHooks hooks)
 TrainerState LearnerLoop::FirstOrNewestState() {
   std::optional<Checkpoint> checkpoint = checkpoints_.LoadNewest();
   if (!checkpoint && settings_.first) {
-    ExpectNetwork(*settings_.first, settings_.training.network);
     checkpoint = Checkpoint{.data_sets = {}, .trainer = *settings_.first, .table = {}};
+    FitNetwork(settings_, checkpoint->trainer);
     checkpoints_.Save(*checkpoint);
   }
   if (!checkpoint) return UntrainedState(settings_);
@@ -145,6 +165,21 @@ LearnerLoop::~LearnerLoop() = default;
 bool LearnerLoop::Wants(std::uint64_t ticket) const {
   const std::lock_guard lock(mutex_);
   return schedule_.UseOf(ticket) != Schedule::Use::kNone;
+}
+
+void LearnerLoop::AddDemonstrations(std::vector<Lessons> games) {
+  const auto is_held_out = [this](const Lessons& game) {
+    return PartOf(game.ticket) == DataSet::Part::kHeldOut;
+  };
+  if (std::ranges::all_of(games, is_held_out)) {
+    throw Error(StrCat("all ", games.size(),
+                       " recorded games are held out; expected more games, or ", "less than ",
+                       settings_.training.held_out_share, " as training.held_out_share"));
+  }
+  for (Lessons& game : games) Add(std::move(game));
+  const std::lock_guard lock(mutex_);
+  demonstrated_ = true;
+  schedule_.CloseFirstDataSet();
 }
 
 void LearnerLoop::Add(Lessons&& game) {
@@ -178,14 +213,14 @@ std::uint64_t LearnerLoop::OldestTicketNeeded() const {
 
 std::uint64_t LearnerLoop::GamesWanted() const {
   const std::lock_guard lock(mutex_);
-  return schedule_.GamesWanted();
+  return demonstrated_ && version_ == 1 ? 0 : schedule_.GamesWanted();
 }
 
 LearnerLoop::Progress LearnerLoop::progress() const {
   const std::lock_guard lock(mutex_);
   return {.iteration = static_cast<int>(version_) - 1,
           .games = schedule_.progress(),
-          .decisions_wanted = schedule_.decisions_per_iteration(),
+          .decisions_wanted = schedule_.decisions_wanted(),
           .training = training_progress_};
 }
 
@@ -236,7 +271,7 @@ std::optional<DataSet> LearnerLoop::NextDataSet(const std::stop_token& stop) {
   WaitLog wait_log(schedule_.progress());
   while (!stop.stop_requested()) {
     if (const auto range = schedule_.StartIteration()) return TakeDataSet(*range);
-    const std::uint64_t wanted = schedule_.decisions_per_iteration();
+    const std::uint64_t wanted = schedule_.decisions_wanted();
     games_added_.wait_for(lock, stop, kWaitLogInterval,
                           [&] { return schedule_.progress().decisions_in_prefix >= wanted; });
     wait_log.Update(schedule_.iteration() + 1, schedule_.progress(), wanted);
@@ -259,12 +294,12 @@ bool LearnerLoop::RunIteration(DataSet data_set, Seconds waited, const std::stop
   const TrainerState state = trainer_->state(version_ + 1);
   checkpoints_.Save(
       {.data_sets = schedule_.data_sets(), .trainer = state, .table = std::move(table)});
+  Publish(state);  // before more games are wanted
   {
     const std::lock_guard lock(mutex_);
     ++version_;
     training_progress_ = {};
   }
-  Publish(state);
   hooks_.iteration_done(report);
   return true;
 }

@@ -60,6 +60,7 @@ struct LearnerLoopHooks {
 //
 // How to wire it:
 //   LearnerLoop loop(settings, hooks);                      // resumes from the newest checkpoint
+//   if (loop.Wants(0)) loop.AddDemonstrations(games);       // where there are any
 //   store.Load(
 //       [&](std::uint64_t ticket) {                         // every game stored so far, once
 //         known.push_back(ticket);
@@ -84,12 +85,18 @@ class LearnerLoop {
   // Whether a game is needed that may have been stored long ago: Add would ignore any other.
   [[nodiscard]] bool Wants(std::uint64_t ticket) const;
 
+  // What the run begins with: games that are played nowhere, with the tickets 0, 1, 2, ... They are
+  // the first data set, whatever their number, and no games are wanted until it is learned: they
+  // are to be played by those who have learned it. Call it before Add. Throws Error if all of
+  // them are held out.
+  void AddDemonstrations(std::vector<Lessons> games);
+
   // The lessons of a game that is durable. Doubles and games of finished iterations are ignored.
   // Does not wait, not even while training.
   void Add(Lessons&& game);
 
-  // Every ticket below it belongs to an iteration that was started: it is done, even if its game is
-  // stored no more.
+  // Every ticket below it is a demonstration's or belongs to an iteration that was started: it is
+  // done, even if its game is stored no more.
   [[nodiscard]] std::uint64_t next_ticket() const;
 
   // What iteration_trained returned before the checkpoint that the loop was resumed from.
@@ -148,6 +155,7 @@ class LearnerLoop {
   std::map<std::uint64_t, Lessons> games_;  // by ticket: of the next data sets, and, until the
                                             // window is restored, of the completed ones in it
   bool window_restored_ = false;
+  bool demonstrated_ = false;  // iteration 1 learns from demonstrations
   TrainingProgress training_progress_;
 };
 

@@ -45,6 +45,15 @@ Schedule::Use Schedule::Add(std::uint64_t ticket, std::uint32_t decisions) {
   return prefix_.Add(ticket, decisions) ? use : Use::kNone;
 }
 
+void Schedule::CloseFirstDataSet() {
+  games_added_ = decisions_added_ = 0;
+  if (!data_sets_.empty()) return;
+  const TicketPrefix::Progress games = prefix_.progress();
+  CHECK(games.decisions > 0 && !games.straggler);
+  closed_games_ = games.games;
+  closed_decisions_ = games.decisions;
+}
+
 Schedule::Use Schedule::UseOf(std::uint64_t ticket) const {
   if (ticket >= prefix_.next_ticket()) return Use::kNextDataSets;
   const bool in_window = std::ranges::any_of(
@@ -76,7 +85,7 @@ std::uint64_t Schedule::GamesWanted() const {
 
 std::optional<TicketRange> Schedule::StartIteration() {
   if (finished()) return std::nullopt;
-  const auto range = prefix_.NextDataSet(decisions_);
+  const auto range = prefix_.NextDataSet(decisions_wanted());
   if (range) data_sets_.push_back(*range);
   return range;
 }

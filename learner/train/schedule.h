@@ -2,6 +2,7 @@
 
 // Iterations as pure logic: which games train which iteration.
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -41,11 +42,17 @@ class Schedule {
   // What to do with a finished game.
   Use Add(std::uint64_t ticket, std::uint32_t decisions);
 
+  // The games added so far, without a gap from ticket 0 on, are the first data set, however many
+  // decisions they hold, and no measure of those that follow. Requires that there are some.
+  void CloseFirstDataSet();
+
   // What Add would do with a game that is not known yet.
   [[nodiscard]] Use UseOf(std::uint64_t ticket) const;
 
-  // Every ticket below it belongs to an iteration that was started.
-  [[nodiscard]] std::uint64_t next_ticket() const { return prefix_.next_ticket(); }
+  // Every ticket below it belongs to an iteration that was started, or to a closed data set.
+  [[nodiscard]] std::uint64_t next_ticket() const {
+    return std::max(prefix_.next_ticket(), closed_games_);
+  }
 
   // The first ticket of the window after the iteration `checkpoints` - 1 before the last one.
   // Requires checkpoints > 0.
@@ -71,7 +78,9 @@ class Schedule {
   [[nodiscard]] std::span<const TicketRange> WindowOfNext() const;
   // Of the next iteration.
   [[nodiscard]] TicketPrefix::Progress progress() const { return prefix_.progress(); }
-  [[nodiscard]] std::uint64_t decisions_per_iteration() const { return decisions_; }
+  [[nodiscard]] std::uint64_t decisions_wanted() const {
+    return closed_games_ > 0 && data_sets_.empty() ? closed_decisions_ : decisions_;
+  }
 
  private:
   int iterations_;
@@ -80,6 +89,8 @@ class Schedule {
   int data_sets_ahead_;
   std::vector<TicketRange> data_sets_;
   TicketPrefix prefix_;
+  std::uint64_t closed_games_ = 0;  // of a first data set that was closed
+  std::uint64_t closed_decisions_ = 0;
   std::uint64_t games_added_ = 0;
   std::uint64_t decisions_added_ = 0;
 };

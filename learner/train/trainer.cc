@@ -33,6 +33,9 @@ constexpr std::size_t kSlice = 1024;
 // A loss so many times that of guessing is worth a word.
 constexpr double kFarAboveGuessing = 2;
 
+// Of an action that cannot be taken.
+constexpr double kImpossibleLogit = -1e9;
+
 constexpr const char* kFirstMoment = ".exp_avg";
 constexpr const char* kSecondMoment = ".exp_avg_sq";
 
@@ -136,6 +139,9 @@ struct Losses {
   torch::Tensor value;
   torch::Tensor agreements;  // of samples that have a policy target
   torch::Tensor policies;    // such samples
+  torch::Tensor others;
+  torch::Tensor foretold;      // of the others in view, those whose action was the likeliest
+  torch::Tensor others_count;  // the others in view
   std::uint64_t samples = 0;
 
   explicit Losses(torch::Device device) {
@@ -144,6 +150,9 @@ struct Losses {
     value = torch::zeros({}, options);
     agreements = torch::zeros({}, options);
     policies = torch::zeros({}, options);
+    others = torch::zeros({}, options);
+    foretold = torch::zeros({}, options);
+    others_count = torch::zeros({}, options);
   }
 };
 
@@ -254,7 +263,24 @@ struct Trainer::Implementation {
     losses.policies += has_policy.sum();
     losses.samples += batch.size;
     const double alpha = settings.training.value_weight;
-    return alpha * value_loss + (1 - alpha) * policy_loss;
+    const torch::Tensor loss = alpha * value_loss + (1 - alpha) * policy_loss;
+    if (!output.others_logits.defined()) return loss;
+    return loss + settings.training.others_weight * OthersLossOf(output.others_logits, losses);
+  }
+
+  // Of all that are in view, the sum; what their positions do not allow has no weight.
+  torch::Tensor OthersLossOf(const torch::Tensor& all_logits, Losses& losses) {
+    const torch::IntArrayRef shape = all_logits.sizes();
+    const torch::Tensor did = OnDevice(batch.others, shape);
+    const torch::Tensor legal = OnDevice(batch.others_legal, shape);
+    const torch::Tensor logits =
+        all_logits.to(torch::kFloat32).masked_fill(legal == 0, kImpossibleLogit);
+    const torch::Tensor loss = -(did * logits.log_softmax(2)).sum();
+    const torch::Tensor in_view = did.sum(2) > 0;
+    losses.others += loss.detach();
+    losses.foretold += (logits.argmax(2).eq(did.argmax(2)) & in_view).sum();
+    losses.others_count += in_view.sum();
+    return loss;
   }
 
   // One step of the optimizer, on slices of the batch. False: stopped, without a step.
@@ -288,9 +314,14 @@ struct Trainer::Implementation {
     result.policy_loss = losses.policy.item<double>() / policies;
     result.value_loss = losses.value.item<double>() / count;
     result.policy_accuracy = losses.agreements.item<double>() / policies;
+    const double others = std::max(1.0, losses.others_count.item<double>());
+    result.others_loss = losses.others.item<double>() / others;
+    result.others_accuracy = losses.foretold.item<double>() / others;
     const double alpha = settings.training.value_weight;
     const double policy_share = policies / count;
-    result.total_loss = alpha * result.value_loss + (1 - alpha) * policy_share * result.policy_loss;
+    result.total_loss = alpha * result.value_loss +
+                        (1 - alpha) * policy_share * result.policy_loss +
+                        settings.training.others_weight * losses.others.item<double>() / count;
     if (!std::isfinite(result.total_loss)) {
       throw Error(StrCat("training diverged: the loss is ", result.total_loss,
                          "; try a smaller training.learning_rate than ",
@@ -303,7 +334,9 @@ struct Trainer::Implementation {
 
   void WarnOfLoss(double loss) const {
     const double alpha = settings.training.value_weight;
-    const double guessing = alpha + (1 - alpha) * std::log(double{kActionCount});
+    const double guess = std::log(double{kActionCount});
+    const double guessing =
+        alpha + (1 - alpha + settings.training.others_weight * (kAgentCount - 1)) * guess;
     if (loss <= kFarAboveGuessing * guessing) return;
     log::Warn("the loss is far above that of guessing; try a smaller training.learning_rate",
               "loss", loss, "guessing", guessing);

@@ -48,7 +48,7 @@ struct Prepared {
 Prepared Prepare(const SelfPlayConfig& config) {
   Prepared prepared;
   for (std::uint64_t ticket = 0; ticket < kGames; ++ticket) {
-    const GameRecord record = PlayTicket(config, ticket);
+    const GameRecord record = PlayTicket(config, ticket, /*weights_version=*/7);
     prepared.games.push_back(Seal(record, SettingsDigest(config)));
     prepared.decisions += DecisionCount(record);
     prepared.bytes += prepared.games.back().record.size();

@@ -115,6 +115,7 @@ TEST(Players, FaultsSayWhatIsExpected) {
   EXPECT_THAT(FaultOf(me + "lineup { share: -1 seats: 'me me me me' }"), HasSubstr("share is -1"));
   EXPECT_THAT(FaultOf(me + me + all), HasSubstr("expected one player of that name"));
   EXPECT_THAT(FaultOf("player { name: idle }"), HasSubstr("expected another name than a policy's"));
+  EXPECT_THAT(FaultOf("player { name: v3 }"), HasSubstr("expected another name than a version's"));
   EXPECT_THAT(FaultOf("player { name: 'a b' }"), HasSubstr("[A-Za-z0-9_-]"));
   EXPECT_THAT(FaultOf("player { name: me teaches: everything }"), HasSubstr("nothing, search"));
   EXPECT_THAT(FaultOf("player { name: me weights: old }"), HasSubstr("none, newest, past or file"));

@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
+#include "common/recorded/json_lines.h"
 #include "tests/http/runner_json.h"
-#include "tools/official/json_lines.h"
 
 namespace powderkeg {
 namespace {

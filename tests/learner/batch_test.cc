@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include "common/model/planes.h"
@@ -131,6 +132,72 @@ TEST(Batch, EqualGeneratorsGiveEqualBatches) {
   BuildBatch(GameSettings{}, {.argmax_weight = 0.5}, pointers, same, second);
   EXPECT_EQ(first.planes, second.planes);
   EXPECT_EQ(first.policies, second.policies);
+}
+
+// The likeliest action of an other, or none.
+std::optional<Action> DidOf(const TrainingBatch& batch, std::size_t sample, std::size_t other) {
+  const float* const row = batch.others.data() + (sample * 3 + other) * kActionCount;
+  for (int action = 0; action < kActionCount; ++action) {
+    if (row[action] == 1) return static_cast<Action>(action);
+  }
+  return std::nullopt;
+}
+
+TEST(Batch, HoldsWhatTheOthersDidNext) {
+  const std::vector<Sample> samples = SamplesOf(3);
+  for (const Sample& sample : samples) {
+    const std::vector<const Sample*> one = {&sample};
+    TrainingBatch batch;
+    GameSettings small_board;
+    small_board.board_size = 8;  // nothing is turned
+    Rng rng(1);
+    BuildBatch(small_board, {}, one, rng, batch);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const AgentId agent = static_cast<AgentId>((sample.viewer + 1 + i) % 4);
+      const auto did = DidOf(batch, 0, i);
+      ASSERT_EQ(did.has_value(), sample.state.agents[static_cast<std::size_t>(agent)].alive);
+      if (!did) continue;
+      const ActionSet legal = LegalActions(sample.state, agent);
+      const bool possible = (legal >> static_cast<int>(sample.others[i]) & 1) != 0;
+      EXPECT_EQ(*did, possible ? sample.others[i] : Action::kStop);
+      for (int action = 0; action < kActionCount; ++action) {
+        EXPECT_EQ(batch.others_legal[i * kActionCount + static_cast<std::size_t>(action)],
+                  static_cast<float>(legal >> action & 1));
+      }
+    }
+  }
+}
+
+TEST(Batch, TurnsTheOthersWithTheBoard) {
+  const std::vector<Sample> samples = SamplesOf(3);
+  const Sample& sample = samples[samples.size() / 2];
+  const std::vector<const Sample*> same(200, &sample);
+  Rng rng(4);
+  TrainingBatch batch;
+  BuildBatch({}, {}, same, rng, batch);
+  std::set<Action> seen;
+  for (std::size_t i = 0; i < same.size(); ++i) {
+    for (int turn = 0; turn < kSymmetryCount; ++turn) {
+      const auto symmetry = static_cast<Symmetry>(turn);
+      const std::vector<float> planes = PlanesOf(Transform(symmetry, sample.state), sample.viewer);
+      if (!std::equal(planes.begin(), planes.end(),
+                      batch.planes.begin() + static_cast<std::ptrdiff_t>(i * planes.size()))) {
+        continue;
+      }
+      for (std::size_t other = 0; other < 3; ++other) {
+        const auto did = DidOf(batch, i, other);
+        if (!did) continue;
+        const ActionSet legal = LegalActions(
+            sample.state, static_cast<AgentId>((sample.viewer + 1 + other) % kAgentCount));
+        const Action expected = (legal >> static_cast<int>(sample.others[other]) & 1) != 0
+                                    ? sample.others[other]
+                                    : Action::kStop;
+        EXPECT_EQ(*did, Transform(symmetry, expected));
+        seen.insert(*did);
+      }
+    }
+  }
+  EXPECT_GT(seen.size(), 1u);
 }
 
 }  // namespace

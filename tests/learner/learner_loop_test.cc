@@ -125,6 +125,42 @@ TEST(LearnerLoop, ARestartGoesOnExactlyWhereItWas) {
   EXPECT_EQ(last.reports[0].decisions, uninterrupted.reports[3].decisions);
 }
 
+// Two demonstrations are the first data set, though they hold less than it takes; what follows is
+// played when they are learned. A restart is given both again.
+TEST(LearnerLoop, DemonstrationsAreTheFirstDataSet) {
+  std::vector<GameRecord> games = PlayGames(0, kGames);
+  const auto run_loop = [&](const fs::path& folder, int iterations, std::uint64_t wanted_after) {
+    LearnerLoopSettings settings = SettingsFor(folder, iterations);
+    settings.training.decisions_per_iteration = 1000;
+    RunLog run;
+    LearnerLoop loop(settings, run.Hooks());
+    EXPECT_TRUE(loop.Wants(0));
+    loop.AddDemonstrations({LessonsOf(games[0]), LessonsOf(games[1])});
+    EXPECT_EQ(loop.next_ticket(), 2u);
+    EXPECT_EQ(loop.GamesWanted(), wanted_after);
+    for (std::size_t i = 2; i < games.size(); ++i) loop.Add(LessonsOf(games[i]));
+    loop.Run({});
+    return run;
+  };
+  const TemporaryFolder folder, other_folder;
+  const RunLog whole = run_loop(folder.path(), 2, 0);
+  ASSERT_EQ(whole.reports.size(), 2u);
+  EXPECT_EQ(whole.reports[0].games, 2u);
+  EXPECT_LT(whole.reports[0].decisions, 1000u);
+  EXPECT_GE(whole.reports[1].decisions, 1000u);
+  run_loop(other_folder.path(), 1, 0);
+  const RunLog resumed = run_loop(other_folder.path(), 2, /*of a usual length*/ 5);
+  EXPECT_EQ(*resumed.published.back(), *whole.published.back());
+}
+
+TEST(LearnerLoop, SomeDemonstrationsMustNotBeHeldOut) {
+  const TemporaryFolder folder;
+  LearnerLoopSettings settings = SettingsFor(folder.path(), 1);
+  settings.training.held_out_share = 1;
+  LearnerLoop loop(settings, {});
+  EXPECT_THROW(loop.AddDemonstrations({LessonsOf(PlayGame(0))}), Error);
+}
+
 TEST(LearnerLoop, AnIterationStoppedInTrainingIsRepeated) {
   const std::vector<GameRecord> games = PlayGames(0, kGames);
   const TemporaryFolder folder;

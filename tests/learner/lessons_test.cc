@@ -133,9 +133,9 @@ TEST(Lessons, MatesThatAreMeasuredCountOnce) {
   EXPECT_EQ(alone.play.score.games(), 4u);
   const Lessons teams = LessonsOf(PlayTeachers(3, {.mode = Mode::kTeam}));
   EXPECT_EQ(teams.play.score.games(), 2u) << "sides";
-  EXPECT_TRUE(teams.result.finishes[0].counts && teams.result.finishes[1].counts);
-  EXPECT_FALSE(teams.result.finishes[2].counts || teams.result.finishes[3].counts);
-  EXPECT_EQ(teams.result.finishes[0].outcome, -teams.result.finishes[1].outcome);
+  EXPECT_TRUE(teams.result->finishes[0].counts && teams.result->finishes[1].counts);
+  EXPECT_FALSE(teams.result->finishes[2].counts || teams.result->finishes[3].counts);
+  EXPECT_EQ(teams.result->finishes[0].outcome, -teams.result->finishes[1].outcome);
 }
 
 TEST(Lessons, TheSummaryCountsGamesResultsAndActions) {

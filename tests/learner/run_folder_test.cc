@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/durable_file.h"
+#include "common/model/weights_snapshot.h"
 #include "tests/learner/record_support.h"
 
 namespace {
@@ -156,6 +158,89 @@ TEST(ConfigOfRun, KeepsWhatGamesAndWeightsAreOf) {
   EXPECT_THAT(changed("self_play.environment=OneVsOne-v0"), HasSubstr("this run began with"));
   EXPECT_THAT(changed("self_play.board_generator=uniform"), HasSubstr("began with official;"));
   EXPECT_THAT(changed("training.network=paper"), HasSubstr("training.network is paper"));
+}
+
+// ---- Files that a run keeps ---------------------------------------------------------------------
+
+constexpr char kFreeForAll[] = "PommeFFACompetition-v0";
+
+std::string TextOf(const fs::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::vector<std::string> TextsOf(const std::vector<fs::path>& files) {
+  std::vector<std::string> texts;
+  for (const fs::path& file : files) texts.push_back(TextOf(file));
+  return texts;
+}
+
+TEST(DemonstrationsOfRun, AreCopiesFromItsBeginningOn) {
+  const TemporaryFolder run, other;
+  EXPECT_TRUE(DemonstrationsOfRun(run.path(), {}).empty());
+  std::vector<fs::path> given;
+  for (const std::string name : {"b", "a", "a/b", "c"}) {  // in the order in which they are given
+    const fs::path file = other.path() / (name.size() > 1 ? "folder/b" : name);
+    fs::create_directories(file.parent_path());
+    std::ofstream(file) << "games of " << name;
+    given.push_back(file);
+  }
+  const std::vector<std::string> texts = {"games of b", "games of a", "games of a/b", "games of c"};
+  EXPECT_EQ(TextsOf(DemonstrationsOfRun(run.path(), std::span(given).last(1))).size(), 1u);
+  EXPECT_EQ(TextsOf(DemonstrationsOfRun(run.path(), given)), texts) << "the run had not begun";
+  StoreConfig(run.path(), RunConfig());
+  std::ofstream(given[0]) << "changed";
+  fs::remove(given[1]);
+  EXPECT_EQ(TextsOf(DemonstrationsOfRun(run.path(), given)), texts);
+  EXPECT_EQ(TextsOf(DemonstrationsOfRun(run.path(), {})), texts);
+}
+
+TEST(DemonstrationsOfRun, AreRefusedByARunThatBeganWithout) {
+  const TemporaryFolder folder;
+  StoreConfig(folder.path(), RunConfig());
+  const std::vector<fs::path> given = {"tests/data/ffa.jsonl.gz"};
+  const std::string reason = "it began without; expected a new run, or none";
+  EXPECT_THAT(MessageOf([&] { (void)DemonstrationsOfRun(folder.path(), given); }),
+              HasSubstr(reason));
+  EXPECT_THAT(MessageOf([&] { CheckDemonstrations(folder.path(), given, kFreeForAll); }),
+              HasSubstr(reason));
+}
+
+TEST(CheckDemonstrations, ReadsThemAndWritesNothing) {
+  const TemporaryFolder folder;
+  const auto checked = [&](const fs::path& file) {
+    return MessageOf([&] { CheckDemonstrations(folder.path(), {&file, 1}, kFreeForAll); });
+  };
+  EXPECT_EQ(checked("tests/data/ffa.jsonl.gz"), "no error");
+  EXPECT_THAT(checked("tests/data/team.jsonl.gz"), HasSubstr("is of PommeTeamCompetition-v0"));
+  EXPECT_THAT(checked("nothing.jsonl"), HasSubstr("cannot open nothing.jsonl; expected"));
+  EXPECT_TRUE(FilesIn(folder.path()).empty());
+}
+
+// Whatever became of the file: other weights under its name must not get into the run.
+TEST(WeightsOfPlayer, AreACopyFromTheRunsBeginningOn) {
+  const TemporaryFolder run, other;
+  const std::string file = (other.path() / "strong.weights").string();
+  const Player player{
+      .name = "strong", .weights = PlayerSpec::Weights::kFile, .weights_file = file};
+  const auto save = [&](std::uint64_t seed) {
+    SaveSnapshot(InitialWeights(NetworkByName("small"), Rng(seed)), file);
+  };
+  const auto kept = [&] { return *LoadSnapshot(WeightsOfPlayer(run.path(), player).string()); };
+  save(1);
+  (void)kept();
+  save(2);
+  const WeightsSnapshot begun = kept();
+  EXPECT_EQ(begun, *LoadSnapshot(file)) << "a start that failed is no beginning";
+  StoreConfig(run.path(), RunConfig());
+  save(3);
+  EXPECT_EQ(kept(), begun) << "the file has changed";
+  fs::remove(file);
+  EXPECT_EQ(kept(), begun) << "the file is gone";
+  Player renamed = player;
+  renamed.weights_file = (other.path() / "stronger.weights").string();
+  EXPECT_THAT(MessageOf([&] { (void)WeightsOfPlayer(run.path(), renamed); }),
+              HasSubstr("stronger.weights"));
 }
 
 }  // namespace

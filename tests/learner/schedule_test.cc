@@ -62,7 +62,7 @@ TEST(Schedule, KnowsWhatARestartMayNeed) {
   EXPECT_EQ(schedule.OldestTicketNeeded(/*checkpoints=*/2), 5u);
   EXPECT_EQ(schedule.OldestTicketNeeded(/*checkpoints=*/3), 0u);
   EXPECT_EQ(schedule.OldestTicketNeeded(/*checkpoints=*/9), 0u);
-  const Schedule no_window(3, 10, /*window_data_sets=*/1, {{0, 4}, {5, 9}});
+  const Schedule no_window(3, 10, /*window_data_sets=*/1, /*data_sets_ahead=*/2, {{0, 4}, {5, 9}});
   EXPECT_EQ(no_window.OldestTicketNeeded(1), 10u);
   EXPECT_EQ(no_window.OldestTicketNeeded(2), 5u);
 }
@@ -108,6 +108,23 @@ TEST(Schedule, WantsNoGamesThatNoIterationWouldUse) {
   EXPECT_EQ(schedule.GamesWanted(), 0u);
   ASSERT_TRUE(schedule.StartIteration());
   EXPECT_EQ(schedule.GamesWanted(), 0u);
+}
+
+// Demonstrations: however many they are, the first iteration is of them and of nothing else.
+TEST(Schedule, AClosedFirstDataSetIsTakenWhole) {
+  for (const std::uint32_t decisions : {1u, 1000u}) {
+    Schedule schedule = ThreeIterations();
+    for (std::uint64_t ticket = 0; ticket < 4; ++ticket) schedule.Add(ticket, decisions);
+    schedule.CloseFirstDataSet();
+    EXPECT_EQ(schedule.next_ticket(), 4u);
+    EXPECT_EQ(schedule.decisions_wanted(), 4 * decisions);
+    schedule.Add(4, 20);
+    EXPECT_EQ(schedule.StartIteration(), (Range{{0, 3}}));
+    EXPECT_EQ(schedule.decisions_wanted(), 10u);
+    EXPECT_EQ(schedule.GamesWanted(), 0u);
+    EXPECT_EQ(schedule.StartIteration(), (Range{{4, 4}}));
+    EXPECT_EQ(schedule.GamesWanted(), 1u);
+  }
 }
 
 TEST(Schedule, TheLearningRateFallsByEqualFactors) {

@@ -83,7 +83,7 @@ Snapshot RandomWeights(const NetworkDescription& description, std::uint64_t seed
   for (NamedArray& array : snapshot.arrays) {
     const bool is_norm = array.name.find("bn") != std::string::npos;
     const bool is_last = array.name == "policy.fc.weight" || array.name == "value.fc2.weight" ||
-                         array.name == "own.policy.weight";
+                         array.name == "own.policy.weight" || array.name == "others.policy.weight";
     for (float& value : array.values) {
       if (is_norm) value += 0.4F * static_cast<float>(rng.Uniform() - 0.5);
       if (is_last) value *= 10.0F;
@@ -115,6 +115,12 @@ CanaryDifference Compare(const std::vector<Evaluation>& a, const std::vector<Eva
     for (std::size_t action = 0; action < kActionCount; ++action) {
       largest.policy =
           std::max(largest.policy, std::abs(a[i].policy[action] - b[i].policy[action]));
+    }
+    for (std::size_t other = 0; other < a[i].others.size(); ++other) {
+      for (std::size_t action = 0; action < kActionCount; ++action) {
+        const int distance = int{a[i].others[other][action]} - b[i].others[other][action];
+        largest.policy = std::max(largest.policy, static_cast<float>(std::abs(distance)) / 255);
+      }
     }
     largest.value = std::max(largest.value, std::abs(a[i].value - b[i].value));
   }

@@ -52,6 +52,7 @@ class Forward {
     for (std::size_t i = 0; i < kActionCount; ++i) {
       evaluation.policy[i] = std::exp(logits[i]) / sum;
     }
+    if (description.others_hidden > 0) Foretell(planes, x, evaluation);
     return evaluation;
   }
 
@@ -140,6 +141,26 @@ class Forward {
       Activate(own);
       AddProduct(snapshot_.Array("own.value.weight"), own, hidden);
       AddProduct(snapshot_.Array("own.policy.weight"), own, logits);
+    }
+  }
+
+  void Foretell(const Image& planes, const Image& tower, Evaluation& evaluation) const {
+    for (int other = 0; other < kAgentCount - 1; ++other) {
+      const float* const marked = planes.Channel(kOwnCellPlane + 1 + other);
+      const auto cell = std::find(marked, marked + kCellCount, 1.0F) - marked;
+      if (cell == kCellCount) continue;
+      std::vector<float> features;
+      for (int channel = 0; channel < tower.channels; ++channel) {
+        features.push_back(tower.Channel(channel)[cell]);
+      }
+      features = Linear(features, "others.fc");
+      Activate(features);
+      std::vector<float> logits = Linear(features, "others.policy");
+      float sum = 0.0F;
+      for (float& logit : logits) sum += logit = std::exp(logit);
+      for (std::size_t i = 0; i < kActionCount; ++i) {
+        evaluation.others[static_cast<std::size_t>(other)][i] = InWholes(logits[i] / sum);
+      }
     }
   }
 

@@ -4,11 +4,13 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 
 #include "common/base/check.h"
+#include "common/base/digest.h"
 #include "common/model/folded_network.h"
 #include "tests/model/positions.h"
 #include "tests/model/reference_evaluator.h"
@@ -68,16 +70,32 @@ TEST(WeightsSnapshot, TrailingBytesAreRefused) {
   EXPECT_TRUE(IsRefused(bytes));
 }
 
-// The same in the format before the checksum: what is wrong must be found by reading.
-std::vector<std::uint8_t> WithoutChecksum(std::vector<std::uint8_t> bytes) {
+WeightsSnapshot WithoutCanary() {
+  WeightsSnapshot snapshot = TinySnapshot();
+  snapshot.canary = {};
+  return snapshot;
+}
+
+// The same in an older format: 2 lacks the description's others_hidden, 1 the checksum too (what is
+// wrong must be found by reading).
+std::vector<std::uint8_t> InFormat(std::uint8_t format) {
   constexpr std::ptrdiff_t kFormat = 8;
-  bytes[kFormat] = 1;
-  bytes.erase(bytes.begin() + kFormat + 4, bytes.begin() + kFormat + 8);
+  constexpr std::ptrdiff_t kChecksum = 12;
+  constexpr std::ptrdiff_t kChecksummed = 16;
+  constexpr std::ptrdiff_t kBlocks = kChecksummed + 4 + 3 * 4 + 4;
+  constexpr std::ptrdiff_t kOthersHidden = kBlocks + 2 * (1 + 3 * 4) + 4 * 4;
+  std::vector<std::uint8_t> bytes = Serialize(WithoutCanary());
+  bytes[kFormat] = format;
+  bytes.erase(bytes.begin() + kOthersHidden, bytes.begin() + kOthersHidden + 4);
+  const std::uint32_t checksum = Crc32c(std::span(bytes).subspan(kChecksummed));
+  std::memcpy(&bytes[kChecksum], &checksum, sizeof(checksum));
+  if (format == 1) bytes.erase(bytes.begin() + kChecksum, bytes.begin() + kChecksummed);
   return bytes;
 }
 
-TEST(WeightsSnapshot, TheFormatWithoutAChecksumIsRead) {
-  EXPECT_EQ(Deserialize(WithoutChecksum(Serialize(TinySnapshot()))), TinySnapshot());
+TEST(WeightsSnapshot, OlderFormatsAreRead) {
+  for (const std::uint8_t format : {1, 2})
+    EXPECT_EQ(Deserialize(InFormat(format)), WithoutCanary());
 }
 
 TEST(WeightsSnapshot, FlippedBitsAreRefused) {
@@ -93,7 +111,7 @@ TEST(WeightsSnapshot, FlippedBitsAreRefused) {
 }
 
 TEST(WeightsSnapshot, FlippedBitsWithoutAChecksumNeverGiveAnInvalidSnapshot) {
-  std::vector<std::uint8_t> bytes = WithoutChecksum(Serialize(TinySnapshot()));
+  std::vector<std::uint8_t> bytes = InFormat(1);
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     for (const int flip : {0x01, 0x80, 0xFF}) {
       const std::uint8_t before = bytes[i];
@@ -108,7 +126,7 @@ TEST(WeightsSnapshot, FlippedBitsWithoutAChecksumNeverGiveAnInvalidSnapshot) {
 }
 
 TEST(WeightsSnapshot, HugeCountsAreRefusedBeforeMemoryIsTaken) {
-  std::vector<std::uint8_t> bytes = WithoutChecksum(Serialize(TinySnapshot()));
+  std::vector<std::uint8_t> bytes = InFormat(1);
   constexpr std::size_t kStemChannels = 8 + 4 + 4 + 4;
   bytes[kStemChannels + 1] = 0x07;  // 1,793 channels that are not there
   EXPECT_TRUE(IsRefused(bytes));

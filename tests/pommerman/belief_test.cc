@@ -6,9 +6,9 @@
 
 #include "common/pommerman/generate.h"
 #include "common/record/rule_based_seat.h"
+#include "common/recorded/recorded_game.h"
 #include "tests/pommerman/position.h"
 #include "tests/pommerman/random_game.h"
-#include "tools/official/recorded_format.h"
 
 namespace powderkeg {
 namespace {

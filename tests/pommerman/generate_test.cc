@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/pommerman/board_text.h"
-#include "tools/official/json_lines.h"
+#include "common/recorded/json_lines.h"
 
 namespace powderkeg {
 namespace {

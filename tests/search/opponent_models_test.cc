@@ -5,8 +5,8 @@
 #include "common/pommerman/belief.h"
 #include "common/pommerman/step.h"
 #include "common/record/rule_based_seat.h"
+#include "common/recorded/recorded_game.h"
 #include "tests/search/search_support.h"
-#include "tools/official/recorded_format.h"
 
 namespace powderkeg {
 namespace {

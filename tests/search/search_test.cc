@@ -352,6 +352,50 @@ class WantsOwnNumber final : public Evaluator {
   std::size_t largest_batch = 0;
 };
 
+// Foretells that the agent i places behind the viewer does action i.
+class Foretells final : public Evaluator {
+ public:
+  void Evaluate(const GameSettings&, std::span<const Position> positions,
+                std::span<Evaluation> evaluations) override {
+    questions += positions.size();
+    for (Evaluation& evaluation : evaluations) {
+      evaluation.policy.fill(1.0F / kActionCount);
+      evaluation.value = 0;
+      for (std::size_t i = 0; i < evaluation.others.size(); ++i) evaluation.others[i][i + 1] = 200;
+    }
+  }
+  [[nodiscard]] std::string name() const override { return "foretells"; }
+
+  std::size_t questions = 0;
+};
+
+TEST(Search, PredictedModelsDoWhatTheEvaluationForetells) {
+  SearchSettings settings = Quiet(50);
+  settings.opponents.fill(OpponentModel::kPredicted);
+  const State state = FromText(R"(
+    0..........
+    ...........
+    ...........
+    .....1.....
+    ...........
+    ...........
+    ...........
+    ..3.....2..
+    ...........
+    ...........
+    ...........
+  )");
+  Search search(settings, {});
+  Foretells evaluator;
+  search.Start(state, ModelsAtStart(settings, 0), Rng(1));
+  const SearchResult result = Finish(search, evaluator);
+  EXPECT_THAT(result.expected_actions,
+              testing::ElementsAre(Action::kStop, Action::kUp, Action::kDown, Action::kLeft));
+  EXPECT_EQ(result.expected_agents, 0b1110);
+  EXPECT_EQ(evaluator.questions, static_cast<std::size_t>(search.tree().size()))
+      << "one for each node, none for the models";
+}
+
 TEST(Search, NetworkModelsActByTheirPolicy) {
   SearchSettings settings = Quiet(50);
   settings.opponents.fill(OpponentModel::kRawNetwork);

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/base/check.h"
-#include "tools/official/json_lines.h"
+#include "common/recorded/json_lines.h"
 
 namespace powderkeg {
 namespace {

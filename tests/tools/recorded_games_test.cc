@@ -9,7 +9,7 @@
 
 #include "common/base/check.h"
 #include "common/pommerman/game_settings.h"
-#include "tools/official/json_lines.h"
+#include "common/recorded/json_lines.h"
 #include "tools/official/recorded_replay.h"
 
 namespace powderkeg {

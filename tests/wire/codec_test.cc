@@ -33,7 +33,7 @@ void ExpectRefused(const WireMessage& message) {
 
 TEST(RecordCodecTest, PlayedGamesComeBackAsTheyWere) {
   for (std::uint64_t ticket = 0; ticket < 20; ++ticket) {
-    const GameRecord record = PlayTicket(QuickConfig(), ticket);
+    const GameRecord record = PlayTicket(QuickConfig(), ticket, /*weights_version=*/7);
     EXPECT_EQ(Verify(record), std::nullopt);
     GameRecord decoded = std::get<GameRecord>(DecodeRecord(EncodeRecord(record)));
     EXPECT_EQ(decoded.setup, GameSetup()) << "it follows from the ticket";

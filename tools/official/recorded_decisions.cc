@@ -9,8 +9,8 @@
 
 #include "common/base/check.h"
 #include "common/pommerman/board_text.h"
-#include "tools/official/json_lines.h"
-#include "tools/official/recorded_format.h"
+#include "common/recorded/json_lines.h"
+#include "common/recorded/recorded_game.h"
 
 namespace powderkeg {
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "tools/official/recorded_format.h"
+#include "common/recorded/recorded_game.h"
 
 namespace powderkeg {
 

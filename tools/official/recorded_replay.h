@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/official/recorded_format.h"
+#include "common/recorded/recorded_game.h"
 
 namespace powderkeg {
 

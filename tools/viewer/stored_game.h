@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/record/game_record.h"
-#include "tools/official/recorded_format.h"
+#include "common/recorded/recorded_game.h"
 
 namespace powderkeg {
 

@@ -153,6 +153,72 @@ TEST_F(GamePipelineTest, RefusesAChosenBoard) {
   EXPECT_THAT(ReasonAgainst(Seal(record, {})), HasSubstr("step"));
 }
 
+TEST_F(GamePipelineTest, RefusesWeightsThatWereNeverPublished) {
+  settings_.newest_version = 8;
+  EXPECT_EQ(VerdictOn(Seal(PlayTicket(QuickConfig(), 0, 7), {})).kind, Kind::kDurable);
+  games_.clear();
+  settings_.newest_version = 6;
+  EXPECT_THAT(ReasonAgainst(Seal(PlayTicket(QuickConfig(), 0, 7), {})),
+              HasSubstr(": weights 7 of player me, expected 0 to 6"));
+  Start();
+  pipeline_->Published(8);
+  Submit(Seal(PlayTicket(QuickConfig(), 0, 7), {}));
+  pipeline_->Drain();
+  EXPECT_EQ(pipeline_->TakeVerdicts().at(0).kind, Kind::kDurable);
+}
+
+TEST_F(GamePipelineTest, RefusesWeightsOfOtherPlayers) {
+  settings_.newest_version = 8;
+  settings_.self_play.players = {{.name = "me", .teaches = Teaches::kSearch},
+                                 {.name = "fixed",
+                                  .weights = PlayerSpec::Weights::kFile,
+                                  .weights_file = "some.weights",
+                                  .teaches = Teaches::kSearch},
+                                 {.name = "blind", .weights = PlayerSpec::Weights::kNone}};
+  settings_.self_play.opponents.clear();
+  const auto reason = [&](const std::string& player, std::uint32_t version) {
+    settings_.self_play.lineups = {{.seats = {player, "idle", "random", "harmless"}},
+                                   {.share = 0, .seats = {"me", "idle", "idle", "idle"}}};
+    const Verdict verdict = VerdictOn(Seal(PlayTicket(settings_.self_play, 0, version), {}));
+    games_.clear();
+    return verdict.reason;
+  };
+  EXPECT_EQ(reason("me", 7), "");
+  EXPECT_THAT(reason("me", FileVersion(1)), HasSubstr("of player me, expected 0 to 8"));
+  EXPECT_THAT(reason("fixed", 7), HasSubstr("weights 7 of player fixed, expected those of its"));
+  EXPECT_THAT(reason("fixed", FileVersion(2)), HasSubstr("of player fixed, expected those of its"));
+}
+
+TEST_F(GamePipelineTest, RefusesWeightsOfAScript) {
+  settings_.newest_version = 8;
+  GameRecord record = PlayTicket(QuickConfig(), 0);
+  AgentId script = 0;
+  while (record.setup.seats[script].searches) ++script;
+  record.tracks[script].weights_version = 3;
+  EXPECT_EQ(ReasonAgainst(Seal(record, {})),
+            StrCat("agent ", script, ": weights 3 of a script, expected 0"));
+}
+
+TEST_F(GamePipelineTest, RefusesVisitsThatNoSearchMakes) {
+  const auto reason = [&](std::array<std::uint16_t, kActionCount> visits) {
+    GameRecord record = PlayTicket(settings_.self_play, 0);
+    for (Track& track : record.tracks) {
+      if (!track.decisions.empty()) track.decisions.front().visits = visits;
+    }
+    const Verdict verdict = VerdictOn(Seal(record, {}));
+    games_.clear();
+    return verdict.reason;
+  };
+  settings_.self_play.search.simulations = 1000;
+  EXPECT_EQ(reason({1000}), "");
+  EXPECT_THAT(reason({}), HasSubstr("no visits, expected some in every decision"));
+  EXPECT_THAT(reason({600, 600}), HasSubstr("1200 visits, expected at most 1000"));
+  settings_.self_play.search.full_search_share = 0.25;
+  EXPECT_EQ(reason({}), "") << "a fast search";
+  settings_.self_play.search.root = RootSearch::kGumbel;
+  EXPECT_EQ(reason({6000, 4000}), "") << "an improved policy";
+}
+
 // ---- Failure ------------------------------------------------------------------------------------
 
 TEST_F(GamePipelineTest, AStoreThatFailsEndsThePipelineWithoutAVerdict) {

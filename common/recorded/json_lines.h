@@ -23,7 +23,6 @@ class LineReader {
 
  private:
   struct File;
-  std::string path_;
   std::unique_ptr<File> file_;
   int line_number_ = 0;
 };

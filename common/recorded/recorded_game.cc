@@ -1,4 +1,4 @@
-#include "tools/official/recorded_format.h"
+#include "common/recorded/recorded_game.h"
 
 #include <algorithm>
 #include <iterator>
@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/base/check.h"
-#include "tools/official/json_lines.h"
+#include "common/recorded/json_lines.h"
 
 namespace powderkeg {
 namespace {

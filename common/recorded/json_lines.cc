@@ -1,4 +1,4 @@
-#include "tools/official/json_lines.h"
+#include "common/recorded/json_lines.h"
 
 #include <zlib.h>
 
@@ -12,7 +12,7 @@ struct LineReader::File {
   gzFile handle;
 };
 
-LineReader::LineReader(const std::string& path) : path_(path), file_(std::make_unique<File>()) {
+LineReader::LineReader(const std::string& path) : file_(std::make_unique<File>()) {
   file_->handle = gzopen(path.c_str(), "rb");
   if (file_->handle == nullptr) throw Error(StrCat("cannot open ", path));
   gzbuffer(file_->handle, 1 << 17);
@@ -32,9 +32,9 @@ bool LineReader::Next(std::string& line) {
     }
   }
   int code = Z_OK;
-  const char* reason = gzerror(file_->handle, &code);
+  const char* reason = gzerror(file_->handle, &code);  // begins with the path
   if (code != Z_OK && code != Z_STREAM_END) {
-    throw Error(StrCat("cannot read ", path_, " after line ", line_number_, ": ", reason));
+    throw Error(StrCat("cannot read line ", line_number_ + 1, " of ", reason));
   }
   if (line.empty()) return false;
   ++line_number_;
