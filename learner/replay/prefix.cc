@@ -34,6 +34,11 @@ std::optional<TicketRange> TicketPrefix::NextDataSet(std::uint64_t decisions) {
   return range;
 }
 
+void TicketPrefix::PassOver() {
+  for (auto& [ticket, decisions] : unused_) decisions = 0;
+  decisions_in_prefix_ = decisions_ = 0;
+}
+
 TicketPrefix::Progress TicketPrefix::progress() const {
   Progress progress{.decisions_in_prefix = decisions_in_prefix_,
                     .decisions = decisions_,

@@ -41,6 +41,9 @@ class TicketPrefix {
   // again for the one after. Requires decisions > 0.
   [[nodiscard]] std::optional<TicketRange> NextDataSet(std::uint64_t decisions);
 
+  // What was added and not taken counts as games without decisions from now on.
+  void PassOver();
+
   struct Progress {
     std::uint64_t decisions_in_prefix = 0;  // of unused games without a gap before them
     std::uint64_t decisions = 0;            // of all unused games

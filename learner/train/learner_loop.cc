@@ -184,15 +184,18 @@ void LearnerLoop::AddDemonstrations(std::vector<Lessons> games) {
 
 void LearnerLoop::Add(Lessons&& game) {
   const std::lock_guard lock(mutex_);
-  if (settings_.training.sequential && !IsOfItsIteration(game)) {
-    game.samples.clear();
-    game.play = {};
-  }
+  if (settings_.training.sequential && !IsOfItsIteration(game)) PassOver(game);
   const auto decisions = static_cast<std::uint32_t>(game.samples.size());
   const Schedule::Use use = schedule_.Add(game.ticket, decisions);
   if (use == Schedule::Use::kNone || (use == Schedule::Use::kWindow && window_restored_)) return;
   games_.emplace(game.ticket, std::move(game));
   games_added_.notify_all();
+}
+
+// It is there, but nothing is learned from it.
+void LearnerLoop::PassOver(Lessons& game) {
+  game.samples.clear();
+  game.play = {};
 }
 
 // Whether it was played with the weights that its iteration began with.
@@ -270,7 +273,14 @@ std::optional<DataSet> LearnerLoop::NextDataSet(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   WaitLog wait_log(schedule_.progress());
   while (!stop.stop_requested()) {
-    if (const auto range = schedule_.StartIteration()) return TakeDataSet(*range);
+    if (const auto range = schedule_.StartIteration()) {
+      DataSet data_set = TakeDataSet(*range);
+      if (settings_.training.sequential) {
+        for (auto& [ticket, game] : games_) PassOver(game);
+        schedule_.PassOver();
+      }
+      return data_set;
+    }
     const std::uint64_t wanted = schedule_.decisions_wanted();
     games_added_.wait_for(lock, stop, kWaitLogInterval,
                           [&] { return schedule_.progress().decisions_in_prefix >= wanted; });

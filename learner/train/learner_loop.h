@@ -133,6 +133,7 @@ class LearnerLoop {
   // Waits for the games of the next iteration; nullopt if stopped.
   [[nodiscard]] std::optional<DataSet> NextDataSet(const std::stop_token& stop);
   [[nodiscard]] bool IsOfItsIteration(const Lessons& game) const;
+  static void PassOver(Lessons& game);
   [[nodiscard]] DataSet TakeDataSet(const TicketRange& range);
   [[nodiscard]] DataSet::Part PartOf(std::uint64_t ticket) const;
   // One iteration on its data set; false if stopped.

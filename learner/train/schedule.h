@@ -68,6 +68,9 @@ class Schedule {
   // Starts the next iteration if its games are all there; the range is then its data set.
   [[nodiscard]] std::optional<TicketRange> StartIteration();
 
+  // Games that wait for their iteration count as games without decisions from now on.
+  void PassOver() { prefix_.PassOver(); }
+
   // Whether every iteration was started.
   [[nodiscard]] bool finished() const { return iteration() >= iterations_; }
   // The iteration started last; 0 before the first.

@@ -21,7 +21,8 @@ std::string OtherValueOf(const Option<Settings>& option) {
   for (const char* text : {"2",      "0.5",        "-0.5",           "0.25",    "true",
                            "false",  "two_player", "most_dangerous", "idle",    "reset",
                            "gumbel", "uniform",    "official",       "at_once", "fp32",
-                           "paper",  "cpu",        "newest",         "moves",   "OneVsOne-v0"}) {
+                           "paper",  "cpu",        "newest",         "moves",   "OneVsOne-v0",
+                           "pytorch"}) {
     Settings settings;
     if (text != initial && option.read(text, option.allowed, settings)) return text;
   }

@@ -91,20 +91,32 @@ TEST(LearnerLoop, SequentialIterationsLearnFromTheirOwnWeightsAlone) {
   const TemporaryFolder folder;
   LearnerLoopSettings settings = SettingsFor(folder.path(), 2);
   settings.training.sequential = true;
-  std::vector<GameRecord> games = PlayGames(0, kGames);  // without a network, as iteration 1 wants
-  const std::uint64_t stale = games.size();
-  for (std::uint64_t i = 0; i < kGames; ++i) games.push_back(PlayGame(stale + i, /*version=*/2));
-  const RunLog run = RunLoop(settings, games);
+  // More games without a network than iteration 1 wants, some of them after it has begun.
+  std::vector<GameRecord> games = PlayGames(0, kGames);
+  RunLog run;
+  LearnerLoopHooks hooks = run.Hooks();
+  LearnerLoop* loop = nullptr;
+  hooks.iteration_done = [&](const IterationReport& report) {
+    run.reports.push_back(report);
+    for (std::uint64_t ticket = kGames; ticket < 2 * kGames && report.iteration == 1; ++ticket) {
+      games.push_back(PlayGame(ticket, /*weights_version=*/ticket % 2 == 0 ? 0 : 2));
+      loop->Add(LessonsOf(games.back()));
+    }
+  };
+  LearnerLoop first(settings, hooks);
+  loop = &first;
+  for (const GameRecord& game : games) first.Add(LessonsOf(game));
+  first.Run({});
   ASSERT_EQ(run.reports.size(), 2u);
   EXPECT_EQ(run.reports[0].weights_lag, 0);
   EXPECT_EQ(run.reports[1].weights_lag, 0) << "those played ahead are passed over";
   EXPECT_GE(run.reports[1].decisions, static_cast<std::uint64_t>(kDecisions));
 
   settings.training.iterations = 3;
-  LearnerLoop loop(settings, {});
-  for (const GameRecord& game : games) loop.Add(LessonsOf(game));
-  EXPECT_EQ(loop.progress().iteration, 2) << "and after a restart";
-  EXPECT_EQ(loop.progress().games.decisions_in_prefix, 0u);
+  LearnerLoop again(settings, {});
+  for (const GameRecord& game : games) again.Add(LessonsOf(game));
+  EXPECT_EQ(again.progress().iteration, 2) << "and after a restart";
+  EXPECT_EQ(again.progress().games.decisions_in_prefix, 0u);
 }
 
 TEST(LearnerLoop, ARestartGoesOnExactlyWhereItWas) {

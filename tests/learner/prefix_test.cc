@@ -171,5 +171,18 @@ TEST(TicketPrefix, CountingInTheOrderOfFinishingWouldBeBiased) {
   EXPECT_LT(FirstDataSetsByFinish(256).WinRate(), 0.2);
 }
 
+TEST(TicketPrefix, PassedOverGamesAreThereAndCountForNothing) {
+  TicketPrefix prefix;
+  for (const std::uint64_t ticket : {0, 1, 3}) prefix.Add(ticket, 10);
+  prefix.PassOver();
+  EXPECT_EQ(prefix.progress().decisions, 0u);
+  EXPECT_FALSE(prefix.NextDataSet(10));
+  prefix.Add(2, 10);
+  EXPECT_FALSE(prefix.Add(3, 10)) << "it is known";
+  const auto range = prefix.NextDataSet(10);
+  ASSERT_TRUE(range);
+  EXPECT_EQ(range->last, 2u);
+}
+
 }  // namespace
 }  // namespace powderkeg

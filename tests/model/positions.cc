@@ -119,7 +119,8 @@ CanaryDifference Compare(const std::vector<Evaluation>& a, const std::vector<Eva
     for (std::size_t other = 0; other < a[i].others.size(); ++other) {
       for (std::size_t action = 0; action < kActionCount; ++action) {
         const int distance = int{a[i].others[other][action]} - b[i].others[other][action];
-        largest.policy = std::max(largest.policy, static_cast<float>(std::abs(distance)) / 255);
+        const int beyond_rounding = std::max(0, std::abs(distance) - 1);
+        largest.policy = std::max(largest.policy, static_cast<float>(beyond_rounding) / 255);
       }
     }
     largest.value = std::max(largest.value, std::abs(a[i].value - b[i].value));

@@ -14,6 +14,16 @@
 namespace powderkeg {
 namespace {
 
+// The module's logits of the others as probabilities, where they are marked.
+void Foretell(const NetworkOutput& output, const Position& position, Evaluation& evaluation) {
+  const torch::Tensor policies = output.others_logits.softmax(2).contiguous();
+  for (std::size_t other = 0; other < evaluation.others.size(); ++other) {
+    if (MarkedCell(position, static_cast<int>(other) + 1) == kNoCell) continue;
+    const float* const policy = policies.data_ptr<float>() + other * kActionCount;
+    std::transform(policy, policy + kActionCount, evaluation.others[other].begin(), InWholes);
+  }
+}
+
 // The module's answers in evaluation mode: batch norm not folded, plain memory format.
 std::vector<Evaluation> AnswersOfModule(const Snapshot& snapshot,
                                         const std::vector<Position>& positions) {
@@ -30,6 +40,7 @@ std::vector<Evaluation> AnswersOfModule(const Snapshot& snapshot,
     Evaluation& evaluation = evaluations.emplace_back();
     std::copy_n(policy.data_ptr<float>(), kActionCount, evaluation.policy.begin());
     evaluation.value = output.value.item<float>();
+    if (output.others_logits.defined()) Foretell(output, position, evaluation);
   }
   return evaluations;
 }
@@ -108,7 +119,9 @@ TEST_P(TorchEvaluatorTest, TrainingReachesEveryParameter) {
   Network network = MakeNetwork(*snapshot_);
   const NetworkOutput output = network(torch::ones({4, kPlaneCount, kBoardSize, kBoardSize}) *
                                        torch::arange(1, 5).reshape({4, 1, 1, 1}));
-  (output.value.sum() + output.policy_logits.select(1, 0).sum()).backward();
+  torch::Tensor sum = output.value.sum() + output.policy_logits.select(1, 0).sum();
+  if (output.others_logits.defined()) sum = sum + output.others_logits.select(2, 0).sum();
+  sum.backward();
   std::int64_t parameters = 0;
   for (const auto& parameter : network->named_parameters()) {
     ASSERT_TRUE(parameter.value().grad().defined()) << parameter.key();
