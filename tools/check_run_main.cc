@@ -59,7 +59,8 @@ std::map<std::uint64_t, int> CheckSegments(const fs::path& folder) {
     Say(StrCat(file.string(), ": set aside: ", damage.reason,
                "; tickets lost: ", LostText(damage)));
     std::erase_if(whole, [&](std::uint64_t ticket) { return stored.contains(ticket); });
-    if (!whole.empty()) Fault(StrCat("whole games in it alone: ", TicketsText(whole)));
+    if (!whole.empty())
+      Fault(StrCat(file.string(), ": in it alone are whole: ", TicketsText(whole)));
   }
   Tickets doubled;
   for (const auto& [ticket, times] : stored) {
