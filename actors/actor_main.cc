@@ -15,6 +15,7 @@
 #include "actors/evaluator_choice.h"
 #include "actors/selfplay/self_play.h"
 #include "common/base/check.h"
+#include "common/base/descriptors.h"
 #include "common/base/log.h"
 #include "common/base/name.h"
 #include "common/base/unique.h"
@@ -113,6 +114,8 @@ void RunUntilSignal(SelfPlay& self_play, const sigset_t& signals) {
 // The exit code.
 int Run(const Arguments& arguments) {
   RequireName("--name", arguments.name);
+  AllowManyDescriptors();
+  signal(SIGPIPE, SIG_IGN);
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);

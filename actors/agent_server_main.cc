@@ -15,6 +15,7 @@
 #include "actors/http/agent_service.h"
 #include "actors/play/factory.h"
 #include "common/base/check.h"
+#include "common/base/descriptors.h"
 #include "common/base/log.h"
 #include "common/base/run_main.h"
 #include "common/config/agent_spec.h"
@@ -204,6 +205,8 @@ void Report(const Seat& seat) {
 void Run(const Arguments& arguments) {
   const std::vector<AgentSpec> agents = AgentsOf(arguments);
   const sigset_t signals = BlockEndSignals();
+  AllowManyDescriptors();
+  std::signal(SIGPIPE, SIG_IGN);
   log::Init(/*file=*/"", log::LevelFor(arguments.log_level));
   InitialiseEvaluators();
   std::vector<Seat> seats;

@@ -1,7 +1,5 @@
 // The learner: takes games in, trains, hands weights out, until the run's iterations are done.
 
-#include <sys/resource.h>
-
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <exception>
@@ -9,6 +7,7 @@
 #include <iostream>
 #include <string>
 
+#include "common/base/descriptors.h"
 #include "common/base/log.h"
 #include "common/config/config.h"
 #include "learner/report/dashboard.h"
@@ -26,14 +25,6 @@ struct Options {
   std::string log_level = "info";
   bool check = false;
 };
-
-// Every peer takes a file, and without one left nothing could be stored.
-void AllowManyFiles() {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-  limit.rlim_cur = limit.rlim_max;
-  setrlimit(RLIMIT_NOFILE, &limit);
-}
 
 void AddOptions(CLI::App& app, Options& options) {
   options.learner.listen = "tcp://127.0.0.1:5555";
@@ -83,11 +74,12 @@ int Main(int argc, char** argv) {
   AddOptions(app, options);
   CLI11_PARSE(app, argc, argv);
 
-  AllowManyFiles();
   std::signal(SIGINT, [](int) { stop_signal = 1; });
   std::signal(SIGTERM, [](int) { stop_signal = 1; });
   std::signal(SIGHUP, [](int) { stop_signal = 1; });
+  std::signal(SIGPIPE, SIG_IGN);  // nobody watches the display any more
   try {
+    AllowManyDescriptors();
     options.learner.http = DashboardServer(options.http);
     const LearnerSettings& learner = options.learner;
     CheckRun(learner.folder, learner.config, learner.changes);
@@ -98,6 +90,7 @@ int Main(int argc, char** argv) {
     }
     const std::filesystem::path logs = options.learner.folder / "log";
     std::filesystem::create_directories(logs);
+    const RunLock lock(options.learner.folder);  // before anything of another's is written
     log::Init((logs / "learner.log").string(), log::LevelFor(options.log_level),
               /*console=*/log::Level::kWarn);  // the display shows the rest
     Learner(options.learner).Run([] { return stop_signal != 0; });

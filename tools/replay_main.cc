@@ -43,7 +43,12 @@ GameSource RecordedSource(const std::string& file) {
 
 GameSource SegmentSource(const std::string& file) {
   std::vector<GameRecord> records;
-  ReadSegment(file, [&](GameRecord&& record) { records.push_back(std::move(record)); });
+  const SegmentDamage damage =
+      ReadSegment(file, [&](GameRecord&& record) { records.push_back(std::move(record)); });
+  if (!damage.reason.empty()) {
+    std::cerr << "replay: " << file << ": " << damage.reason << "; its games of tickets "
+              << LostText(damage) << " are left out\n";
+  }
   return [records = std::move(records), next = std::size_t{0}](StoredGame& stored) mutable {
     if (next == records.size()) return false;
     stored = StoredGameFrom(records[next++]);
@@ -52,7 +57,7 @@ GameSource SegmentSource(const std::string& file) {
 }
 
 GameSource SourceOf(const std::string& file) {
-  return file.ends_with(".h5") ? SegmentSource(file) : RecordedSource(file);
+  return file.find(".h5") != std::string::npos ? SegmentSource(file) : RecordedSource(file);
 }
 
 // The chosen game. Throws Error if the file has fewer.

@@ -96,20 +96,27 @@ void WeightsFetcher::Handle(const WeightsChunk& chunk) {
   if (chunk.data.empty()) {
     Fail("the learner does not have them any more");
   } else if (chunk.offer != download_->offer) {
-    download_.reset();  // they were written anew meanwhile
+    Retry("they are other than was said, again and again");
   } else {
     download_->bytes.insert(download_->bytes.end(), chunk.data.begin(), chunk.data.end());
     if (download_->bytes.size() == download_->offer.size_bytes) Finish();
   }
 }
 
+// From the beginning: they may have been written anew meanwhile.
+void WeightsFetcher::Retry(const std::string& fault) {
+  const std::uint32_t version = download_->offer.version;
+  if (++download_->damaged == kMostDamaged) return Fail(fault);
+  download_->bytes.clear();
+  download_->offer =
+      offered_ && offered_->version == version ? *offered_ : WeightsOffer{.version = version};
+}
+
 void WeightsFetcher::Finish() {
   const WeightsOffer offer = download_->offer;
   if (!IsWhole(offer, download_->bytes)) {
     log::Warn("weights are damaged", "version", offer.version);
-    download_->bytes.clear();
-    if (++download_->damaged == kMostDamaged) Fail("the SHA-256 does not fit, again and again");
-    return;
+    return Retry("the SHA-256 does not fit, again and again");
   }
   Decoded<Snapshot> unpacked = Unpack(offer, download_->bytes);
   if (const auto* malformed = std::get_if<Malformed>(&unpacked)) return Fail(malformed->reason);

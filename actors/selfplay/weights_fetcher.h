@@ -68,6 +68,7 @@ class WeightsFetcher {
 
   void Forget();
   [[nodiscard]] std::optional<Download> NextDownload();
+  void Retry(const std::string& fault);
   void Finish();
   void Fail(const std::string& fault);
 

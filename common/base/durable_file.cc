@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "common/base/check.h"
+#include "common/base/descriptors.h"
 #include "common/base/log.h"
 
 namespace powderkeg {
@@ -27,7 +28,9 @@ constexpr std::size_t kReadBytes = std::size_t{1} << 20;
 // A file descriptor that is closed whatever happens.
 class Descriptor {
  public:
-  Descriptor(const fs::path& path, int flags) : path_(path), fd_(open(path.c_str(), flags, 0644)) {
+  Descriptor(const fs::path& path, int flags) : path_(path) {
+    const ReservedDescriptors reserved;
+    fd_ = open(path.c_str(), flags, 0644);
     if (fd_ < 0) Fail("open", path_, errno);
   }
   ~Descriptor() {
@@ -44,16 +47,23 @@ class Descriptor {
       bytes = bytes.subspan(static_cast<std::size_t>(written));
     }
   }
-  std::vector<std::uint8_t> Read() {
+  // From here on to the end.
+  std::vector<std::uint8_t> Read(std::size_t bytes_at_once) {
     std::vector<std::uint8_t> bytes;
     for (std::size_t size = 0;;) {
-      bytes.resize(size + kReadBytes);
-      const ssize_t got = read(fd_, bytes.data() + size, kReadBytes);
+      bytes.resize(size + bytes_at_once);
+      const ssize_t got = read(fd_, bytes.data() + size, bytes_at_once);
       if (got < 0 && errno != EINTR) Fail("read", path_, errno);
       size += static_cast<std::size_t>(std::max<ssize_t>(got, 0));
       bytes.resize(size);
       if (got == 0) return bytes;
     }
+  }
+  // To `size` bytes before the end, or to the beginning.
+  void SeekEnd(std::size_t size) {
+    const off_t end = lseek(fd_, 0, SEEK_END);
+    const off_t back = static_cast<off_t>(std::min(size, static_cast<std::size_t>(end)));
+    if (end < 0 || lseek(fd_, -back, SEEK_END) < 0) Fail("read", path_, errno);
   }
   void Sync() {
     if (!TrySync()) Fail("flush", path_, errno);
@@ -81,7 +91,7 @@ void WriteFileDurably(const fs::path& path, std::span<const std::uint8_t> bytes)
     file.Write(bytes);
     file.Sync();
     file.Close();
-    if (std::rename(temporary.c_str(), path.c_str()) != 0) Fail("rename to", path, errno);
+    RenameFile(temporary, path);
   } catch (const Error&) {
     unlink(temporary.c_str());  // half a file would keep a full disk full
     throw;
@@ -91,6 +101,10 @@ void WriteFileDurably(const fs::path& path, std::span<const std::uint8_t> bytes)
 
 void RemoveFile(const fs::path& path) {
   if (unlink(path.c_str()) != 0) Fail("remove", path, errno);
+}
+
+void RenameFile(const fs::path& from, const fs::path& to) {
+  if (std::rename(from.c_str(), to.c_str()) != 0) Fail("rename to", to, errno);
 }
 
 void SyncFolder(const fs::path& folder) {
@@ -121,6 +135,7 @@ void PrepareFolder(const fs::path& folder) {
 }
 
 std::vector<fs::path> FilesIn(const fs::path& folder) {
+  const ReservedDescriptors reserved;
   std::vector<fs::path> paths;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
@@ -133,7 +148,13 @@ std::vector<fs::path> FilesIn(const fs::path& folder) {
 }
 
 std::vector<std::uint8_t> ReadFileBytes(const fs::path& path) {
-  return Descriptor(path, O_RDONLY | O_CLOEXEC).Read();
+  return Descriptor(path, O_RDONLY | O_CLOEXEC).Read(kReadBytes);
+}
+
+std::vector<std::uint8_t> ReadFileEnd(const fs::path& path, std::size_t size) {
+  Descriptor file(path, O_RDONLY | O_CLOEXEC);
+  file.SeekEnd(size);
+  return file.Read(std::min(size, kReadBytes) + 1);  // one more: the end is met at once
 }
 
 }  // namespace powderkeg

@@ -22,6 +22,9 @@ void WriteFileDurably(const std::filesystem::path& path, std::span<const std::ui
 // Throws Error if there is no such file or it cannot be removed; SyncFolder makes it durable.
 void RemoveFile(const std::filesystem::path& path);
 
+// Replaces `to`, if there is such a file. SyncFolder makes it durable. Throws Error.
+void RenameFile(const std::filesystem::path& from, const std::filesystem::path& to);
+
 // Makes the removal or renaming of files in `folder` durable. On a file system that cannot do so
 // it says that once in the log and trusts it. Throws Error.
 void SyncFolder(const std::filesystem::path& folder);
@@ -37,5 +40,9 @@ void PrepareFolder(const std::filesystem::path& folder);
 
 // Throws Error if it cannot be read.
 [[nodiscard]] std::vector<std::uint8_t> ReadFileBytes(const std::filesystem::path& path);
+
+// Its last `size` bytes, or all if they are fewer. Throws Error as ReadFileBytes.
+[[nodiscard]] std::vector<std::uint8_t> ReadFileEnd(const std::filesystem::path& path,
+                                                    std::size_t size);
 
 }  // namespace powderkeg

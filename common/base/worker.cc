@@ -18,7 +18,7 @@ Worker::~Worker() {
   thread_.request_stop();
   try {
     Join();
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     log::Error("worker failed", "worker", name_, "error", error.what());
   }
 }
@@ -30,6 +30,8 @@ void Worker::Run(const std::stop_token& stop) {
     function_(stop);
   } catch (const Error&) {
     error_ = std::current_exception();
+  } catch (const std::exception& error) {  // no memory, no descriptors
+    error_ = std::make_exception_ptr(Error(StrCat(name_, ": ", error.what())));
   }
   finished_.store(true);
 }

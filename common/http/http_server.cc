@@ -18,6 +18,7 @@
 
 #include "common/base/bounded_queue.h"
 #include "common/base/check.h"
+#include "common/base/descriptors.h"
 #include "common/base/log.h"
 #include "common/base/unique.h"
 #include "common/base/worker.h"
@@ -162,10 +163,11 @@ class HttpServer::Listener final : public httplib::Server {
         pool_(std::in_place, settings.threads, settings.max_waiting,
               [this](int socket) { Serve(socket); }) {
     address_.host = WithoutBrackets(settings.address.host);
-    room_.emplace(WaitingRoomSettings{.max_connections = settings.max_waiting,
-                                      .max_bytes = MaxBytes(),
-                                      .timeout = settings.io_timeout},
-                  [this](int socket) { pool_->Add(socket); });
+    const std::size_t room = std::min(settings.max_waiting, DescriptorLimit() / 4);
+    room_.emplace(
+        WaitingRoomSettings{
+            .max_connections = room, .max_bytes = MaxBytes(), .timeout = settings.io_timeout},
+        [this](int socket) { pool_->Add(socket); });
     AddRoutes();
     set_tcp_nodelay(true);
     set_payload_max_length(settings.max_request_bytes);

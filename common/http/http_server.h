@@ -54,7 +54,8 @@ struct HttpServerSettings {
   HttpAddress address{};
   bool any_port_if_taken = false;  // where it cannot listen on that port
   int threads = 64;                // requests served at once; more wait their turn
-  // Connections whose request is on its way; beyond, those that have waited longest are closed.
+  // Connections whose request is on its way, at most a quarter of the process's descriptors; beyond,
+  // those that have waited longest are closed.
   std::size_t max_waiting = 4096;
   std::size_t max_request_bytes = 64 << 10;  // of a body, packed and unpacked
   // For a whole request to arrive, and for its answer to leave.

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <set>
+#include <string>
+#include <vector>
 
 namespace powderkeg {
 
@@ -37,5 +39,8 @@ class TicketSet {
   std::uint64_t first_open_;
   std::set<std::uint64_t> beyond_;  // those above first_open_
 };
+
+// "3-5 9"; "none".
+[[nodiscard]] std::string TicketsText(std::vector<std::uint64_t> tickets);
 
 }  // namespace powderkeg

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
+#include <string_view>
 #include <utility>
 
+#include "common/base/byte_stream.h"
 #include "common/base/check.h"
+#include "common/base/digest.h"
 
 namespace powderkeg {
 namespace {
@@ -152,71 +156,90 @@ Decision DecisionAt(const SegmentColumns::Decisions& decisions, std::size_t row)
           .weights_version = decisions.weights_version[row]};
 }
 
-// Reads games one after the other from columns that are whole.
-class GameReader {
- public:
-  explicit GameReader(const SegmentColumns& columns) : columns_(columns) {}
+// Throws Error if the rows are not all there.
+void ExpectRows(std::uint64_t first, std::uint64_t count, std::size_t rows, const char* what) {
+  Expect(first <= rows && count <= rows - first, what);
+}
 
-  [[nodiscard]] GameRecord Next() {
-    const SegmentColumns::Games& games = columns_.games;
-    Expect(games.evaluator[row_] < columns_.evaluators.size(), "games/evaluator has no name");
-    GameRecord game{.ticket = games.ticket[row_],
-                    .setup = SetupAt(games, row_),
-                    .evaluator = columns_.evaluators[games.evaluator[row_]],
-                    .actions = NextActions(),
-                    .tracks = {},
-                    .outcome = OutcomeAt(games, row_)};
-    for (std::uint8_t agent = 0; agent < kAgentCount; ++agent)
-      game.tracks[agent] = NextTrack(agent);
-    ++row_;
-    return game;
-  }
+std::vector<JointAction> ActionsAt(const SegmentColumns& columns, std::size_t row) {
+  const std::vector<std::uint16_t>& steps = columns.steps.actions;
+  const std::uint64_t first = columns.games.first_step[row];
+  const std::uint64_t count = columns.games.step_count[row];
+  ExpectRows(first, count, steps.size(), "steps/ ends within a game");
+  std::vector<JointAction> actions;
+  actions.reserve(count);
+  for (std::uint64_t i = first; i < first + count; ++i) actions.push_back(Unpack(steps[i]));
+  return actions;
+}
 
-  void ExpectEnd() const {
-    Expect(step_ == columns_.steps.actions.size(), "steps/ goes on after the last game");
-    Expect(decision_ == columns_.decisions.game.size(), "decisions/ goes on after the last game");
-  }
-
- private:
-  std::vector<JointAction> NextActions() {
-    const std::size_t end = step_ + columns_.games.step_count[row_];
-    Expect(end <= columns_.steps.actions.size(), "steps/ ends within a game");
-    std::vector<JointAction> actions;
-    actions.reserve(end - step_);
-    for (; step_ < end; ++step_) actions.push_back(Unpack(columns_.steps.actions[step_]));
-    return actions;
-  }
-
-  Track NextTrack(std::uint8_t agent) {
-    const SegmentColumns::Decisions& decisions = columns_.decisions;
-    Track track{.weights_version = columns_.games.weights_version[row_][agent], .decisions = {}};
-    const std::size_t end = decision_ + columns_.games.decision_count[row_][agent];
-    Expect(end <= decisions.game.size(), "decisions/ ends within a game");
-    track.decisions.reserve(end - decision_);
-    for (; decision_ < end; ++decision_) {
-      Expect(decisions.game[decision_] == row_ && decisions.agent[decision_] == agent,
+std::array<Track, kAgentCount> TracksAt(const SegmentColumns& columns, std::size_t row) {
+  const SegmentColumns::Decisions& decisions = columns.decisions;
+  std::array<Track, kAgentCount> tracks;
+  std::uint64_t next = columns.games.first_decision[row];
+  for (std::uint8_t agent = 0; agent < kAgentCount; ++agent) {
+    const std::uint64_t count = columns.games.decision_count[row][agent];
+    ExpectRows(next, count, decisions.game.size(), "decisions/ ends within a game");
+    tracks[agent].weights_version = columns.games.weights_version[row][agent];
+    tracks[agent].decisions.reserve(count);
+    for (const std::uint64_t end = next + count; next < end; ++next) {
+      Expect(decisions.game[next] == row && decisions.agent[next] == agent,
              "decisions/ is out of order");
-      track.decisions.push_back(DecisionAt(decisions, decision_));
+      tracks[agent].decisions.push_back(DecisionAt(decisions, next));
     }
-    return track;
   }
+  return tracks;
+}
 
-  const SegmentColumns& columns_;
-  std::size_t row_ = 0;  // of the game to read next, and its first rows:
-  std::size_t step_ = 0;
-  std::size_t decision_ = 0;
-};
+void AddGame(const GameRecord& game, SegmentColumns& columns) {
+  columns.games.ticket.push_back(game.ticket);
+  columns.games.first_step.push_back(columns.steps.actions.size());
+  columns.games.step_count.push_back(Unsigned(static_cast<int>(game.actions.size())));
+  columns.games.first_decision.push_back(columns.decisions.game.size());
+  columns.games.evaluator.push_back(IndexOf(game.evaluator, columns.evaluators));
+  columns.games.checksum.push_back(0);
+  AddSetup(game.setup, columns.games);
+  AddOutcome(game.outcome, columns.games);
+  for (const JointAction& actions : game.actions) columns.steps.actions.push_back(Pack(actions));
+  AddTracks(game, columns);
+}
 
-// Columns of one table are equally long.
-void ExpectWholeTables(const SegmentColumns& columns) {
+std::uint32_t ChecksumOf(const GameRecord& game) {
+  SegmentColumns alone;
+  AddGame(game, alone);
+  ByteWriter bytes;
+  ForEachColumn(alone, [&](const char*, const auto& column, const char*) {
+    const std::span rows(column);
+    bytes.WriteAll(
+        std::span(reinterpret_cast<const std::uint8_t*>(rows.data()), rows.size_bytes()));
+  });
+  bytes.WriteAll(BytesOf(game.evaluator));
+  return Crc32c(bytes.Take());
+}
+
+GameRecord GameAt(const SegmentColumns& columns, std::size_t row) {
+  const SegmentColumns::Games& games = columns.games;
+  Expect(games.evaluator[row] < columns.evaluators.size(), "games/evaluator has no name");
+  GameRecord game{.ticket = games.ticket[row],
+                  .setup = SetupAt(games, row),
+                  .evaluator = columns.evaluators[games.evaluator[row]],
+                  .actions = ActionsAt(columns, row),
+                  .tracks = TracksAt(columns, row),
+                  .outcome = OutcomeAt(games, row)};
+  Expect(games.checksum[row] == ChecksumOf(game), "games/checksum is wrong");
+  return game;
+}
+
+// What keeps columns of one table from being equally long; empty: nothing.
+std::string Unevenness(const SegmentColumns& columns) {
+  std::string uneven;
   ForEachColumn(columns, [&](std::string_view name, const auto& column, const char*) {
     const std::size_t rows = name.starts_with("games/")   ? columns.games.ticket.size()
                              : name.starts_with("steps/") ? columns.steps.actions.size()
                                                           : columns.decisions.game.size();
-    if (column.size() != rows) {
-      throw Error(StrCat(name, " has ", column.size(), " rows, expected ", rows));
-    }
+    if (column.size() == rows) return;
+    uneven = StrCat(name, " has ", column.size(), " rows, expected ", rows);
   });
+  return uneven;
 }
 
 }  // namespace
@@ -224,22 +247,26 @@ void ExpectWholeTables(const SegmentColumns& columns) {
 SegmentColumns ToColumns(std::span<const GameRecord> games) {
   SegmentColumns columns;
   for (const GameRecord& game : games) {
-    columns.games.ticket.push_back(game.ticket);
-    columns.games.step_count.push_back(static_cast<std::uint32_t>(game.actions.size()));
-    columns.games.evaluator.push_back(IndexOf(game.evaluator, columns.evaluators));
-    AddSetup(game.setup, columns.games);
-    AddOutcome(game.outcome, columns.games);
-    for (const JointAction& actions : game.actions) columns.steps.actions.push_back(Pack(actions));
-    AddTracks(game, columns);
+    AddGame(game, columns);
+    columns.games.checksum.back() = ChecksumOf(game);
   }
   return columns;
 }
 
-void ForEachGame(const SegmentColumns& columns, const std::function<void(GameRecord&&)>& visit) {
-  ExpectWholeTables(columns);
-  GameReader reader(columns);
-  for (std::size_t row = 0; row < columns.games.ticket.size(); ++row) visit(reader.Next());
-  reader.ExpectEnd();
+std::string ForEachWholeGame(const SegmentColumns& columns,
+                             const std::function<void(GameRecord&&)>& visit) {
+  std::string damage = Unevenness(columns);
+  if (!damage.empty()) return damage;
+  for (std::size_t row = 0; row < columns.games.ticket.size(); ++row) {
+    std::optional<GameRecord> game;
+    try {
+      game = GameAt(columns, row);
+    } catch (const Error& error) {
+      damage = error.what();
+    }
+    if (game) visit(*std::move(game));
+  }
+  return damage;
 }
 
 }  // namespace powderkeg

@@ -14,7 +14,7 @@
 namespace powderkeg {
 
 // Format of the columns below; written into every segment.
-inline constexpr std::uint32_t kSegmentFormat = 2;
+inline constexpr std::uint32_t kSegmentFormat = 3;
 
 // The columns of games, steps and decisions. A value; one thread.
 struct SegmentColumns {
@@ -24,7 +24,9 @@ struct SegmentColumns {
     std::vector<std::uint8_t> lineup;
     std::vector<std::uint8_t> to_the_end;
     std::vector<std::array<std::uint32_t, kAgentCount>> weights_version;
+    std::vector<std::uint64_t> first_step;
     std::vector<std::uint32_t> step_count;
+    std::vector<std::uint64_t> first_decision;
     std::vector<std::array<std::uint32_t, kAgentCount>> decision_count;
     std::vector<std::uint32_t> evaluator;
     std::vector<std::uint8_t> mode;
@@ -44,6 +46,7 @@ struct SegmentColumns {
     std::vector<std::uint8_t> result;
     std::vector<std::uint8_t> winners;
     std::vector<std::array<std::int8_t, kAgentCount>> rewards;
+    std::vector<std::uint32_t> checksum;
   };
   struct Steps {
     std::vector<std::uint16_t> actions;
@@ -74,9 +77,11 @@ void ForEachColumn(Columns& columns, Visit&& visit) {
   visit("games/to_the_end", games.to_the_end, "0: only until no measured agent could win");
   visit("games/weights_version", games.weights_version,
         "per agent, of its network at the start of the game; 0: none");
-  visit("games/step_count", games.step_count, "rows of steps/, which hold game 0, game 1, ...");
-  visit("games/decision_count", games.decision_count,
-        "per agent, rows of decisions/, which hold agents 0 to 3 of game 0, of game 1, ...");
+  visit("games/first_step", games.first_step, "its first row of steps/");
+  visit("games/step_count", games.step_count, "its rows of steps/");
+  visit("games/first_decision", games.first_decision,
+        "its first row of decisions/: agent 0's, then those of agents 1 to 3");
+  visit("games/decision_count", games.decision_count, "per agent, its rows of decisions/");
   visit("games/evaluator", games.evaluator, "index into evaluators");
   visit("games/mode", games.mode, "1 free-for-all, 2 team, 3 team with radio, 4 one against one");
   visit("games/board_size", games.board_size, "rows and columns: 11 or 8");
@@ -98,6 +103,10 @@ void ForEachColumn(Columns& columns, Visit&& visit) {
   visit("games/result", games.result, "0 incomplete, 1 win, 2 tie");
   visit("games/winners", games.winners, "bit i: agent i won");
   visit("games/rewards", games.rewards, "per agent: -1, 0, +1");
+  visit(
+      "games/checksum", games.checksum,
+      "CRC-32C of its rows of all columns, as of a segment that holds it alone (this is 0 there), "
+      "and of the evaluator's name");
   visit("steps/actions", columns.steps.actions,
         "4 bits an agent, agent 0 lowest: 0 stop, 1 up, 2 down, 3 left, 4 right, 5 bomb");
   auto& decisions = columns.decisions;
@@ -112,8 +121,9 @@ void ForEachColumn(Columns& columns, Visit&& visit) {
 
 [[nodiscard]] SegmentColumns ToColumns(std::span<const GameRecord> games);
 
-// Calls `visit` for each game in order. Throws Error that says what is wrong if the columns do not
-// fit together or hold a value out of its range (the games themselves are not verified).
-void ForEachGame(const SegmentColumns& columns, const std::function<void(GameRecord&&)>& visit);
+// Calls `visit` for each game that agrees with its checksum, in order (the games themselves are not
+// verified). Says what is wrong with the last of the others, or with all; empty: nothing.
+[[nodiscard]] std::string ForEachWholeGame(const SegmentColumns& columns,
+                                           const std::function<void(GameRecord&&)>& visit);
 
 }  // namespace powderkeg

@@ -1,18 +1,23 @@
 #include "common/segment/segment_file.h"
 
 #include <hdf5.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstring>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <unordered_set>
+#include <utility>
 
+#include "common/base/byte_stream.h"
 #include "common/base/check.h"
+#include "common/base/digest.h"
+#include "common/base/durable_file.h"
+#include "common/record/ticket_set.h"
 #include "common/segment/segment_columns.h"
+#include "common/segment/segment_index.h"
 
 namespace powderkeg {
 namespace {
@@ -116,8 +121,8 @@ void WriteFormat(hid_t file) {
 }
 
 template <typename T>
-void WriteColumn(hid_t file, const char* name, const std::vector<T>& column,
-                 const char* description) {
+SegmentIndex::Place WriteColumn(hid_t file, const char* name, const std::vector<T>& column,
+                                const char* description) {
   constexpr hsize_t kWidth = Row<T>::kWidth;
   const NumberType type = TypeOf<typename Row<T>::Number>();
   const std::array<hsize_t, 2> shape = {column.size(), kWidth};
@@ -127,9 +132,10 @@ void WriteColumn(hid_t file, const char* name, const std::vector<T>& column,
       H5Dcreate2(file, name, type.stored, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
       StrCat("create ", name));
   WriteText(array, "description", description);
-  if (column.empty()) return;
+  if (column.empty()) return {};
   Checked(H5Dwrite(array, type.native, H5S_ALL, H5S_ALL, H5P_DEFAULT, column.data()),
           StrCat("write ", name));
+  return {.offset = H5Dget_offset(array), .rows = column.size()};
 }
 
 void WriteStrings(hid_t file, const char* name, const std::vector<std::string>& strings) {
@@ -156,7 +162,8 @@ void CreateGroup(hid_t file, const char* name) {
 
 // The segment as the bytes of a file. The library writes into memory only: errors of the disk are
 // then met by our own code, one place and no half-closed library objects.
-std::vector<std::uint8_t> Encode(const SegmentColumns& columns) {
+std::vector<std::uint8_t> Encode(const SegmentColumns& columns,
+                                 std::vector<SegmentIndex::Place>& places) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make access properties");
   Checked(H5Pset_fapl_core(access, /*increment=*/std::size_t{1} << 20, /*backing_store=*/0),
           "keep a file in memory");
@@ -165,7 +172,7 @@ std::vector<std::uint8_t> Encode(const SegmentColumns& columns) {
   WriteFormat(file);
   for (const char* group : {"games", "steps", "decisions"}) CreateGroup(file, group);
   ForEachColumn(columns, [&](const char* name, const auto& column, const char* description) {
-    WriteColumn(file, name, column, description);
+    places.push_back(WriteColumn(file, name, column, description));
   });
   WriteStrings(file, kEvaluators, columns.evaluators);
   Checked(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush a file in memory");
@@ -177,129 +184,83 @@ std::vector<std::uint8_t> Encode(const SegmentColumns& columns) {
 
 // ---- Reading ------------------------------------------------------------------------------------
 
-void ExpectFormat(hid_t file) {
-  const Handle attribute(H5Aopen(file, kFormatAttribute, H5P_DEFAULT), H5Aclose,
-                         StrCat("find the attribute ", kFormatAttribute));
-  std::uint32_t format = 0;
-  Checked(H5Aread(attribute, H5T_NATIVE_UINT32, &format), "read the format");
-  if (format != kSegmentFormat) {
-    throw Error(StrCat("its format is ", format, ", this program reads ", kSegmentFormat));
-  }
+// Columns are as long as the file has them: a column that is cut short fits no other.
+SegmentColumns ReadColumns(std::span<const std::uint8_t> file, const SegmentIndex& index) {
+  SegmentColumns columns;
+  columns.evaluators = index.evaluators;
+  std::size_t next = 0;
+  ForEachColumn(columns, [&](const char*, auto& column, const char*) {
+    const auto [offset, rows] =
+        next < index.places.size() ? index.places[next++] : SegmentIndex::Place{};
+    const auto bytes = file.subspan(std::min<std::size_t>(offset, file.size()));
+    column.resize(std::min<std::size_t>(rows, bytes.size() / sizeof(column[0])));
+    if (!column.empty())
+      std::memcpy(column.data(), bytes.data(), column.size() * sizeof(column[0]));
+  });
+  return columns;
 }
 
-// Rows of an array with `width` numbers a row (0: one dimension) that must fit into a file of
-// `file_bytes`.
-std::size_t RowCount(hid_t array, const char* name, hsize_t width, std::size_t row_bytes,
-                     std::uint64_t file_bytes) {
-  const Handle space(H5Dget_space(array), H5Sclose, StrCat("read the shape of ", name));
-  const int rank = H5Sget_simple_extent_ndims(space);
-  std::array<hsize_t, 2> shape{};
-  if (rank != (width == 0 ? 1 : 2)) throw Error(StrCat(name, " has ", rank, " dimensions"));
-  Checked(H5Sget_simple_extent_dims(space, shape.data(), nullptr),
-          StrCat("read the shape of ", name));
-  if (shape[1] != width) throw Error(StrCat(name, " has rows of ", shape[1]));
-  if (shape[0] > file_bytes / row_bytes) throw Error(StrCat(name, " is longer than its file"));
-  return shape[0];
+// A file of HDF5, as long as its first bytes say.
+bool IsWholeHdf5(std::span<const std::uint8_t> file) {
+  constexpr std::array<std::uint8_t, 8> kSignature = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1A, '\n'};
+  constexpr std::size_t kEndOfFile = 40;  // in the superblock
+  if (file.size() < kEndOfFile + sizeof(std::uint64_t)) return false;
+  const auto size = ByteReader("segment", file.subspan(kEndOfFile)).Read<std::uint64_t>();
+  return size == file.size() && std::ranges::equal(file.first(kSignature.size()), kSignature);
 }
 
-template <typename T>
-void ReadColumn(hid_t file, const char* name, std::uint64_t file_bytes, std::vector<T>& column) {
-  const Handle array(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose, StrCat("find ", name));
-  column.resize(RowCount(array, name, Row<T>::kWidth, sizeof(T), file_bytes));
-  if (column.empty()) return;
-  const NumberType type = TypeOf<typename Row<T>::Number>();
-  Checked(H5Dread(array, type.native, H5S_ALL, H5S_ALL, H5P_DEFAULT, column.data()),
-          StrCat("read ", name));
-}
-
-std::vector<std::string> ReadStrings(hid_t file, const char* name, std::uint64_t file_bytes) {
-  const Handle array(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose, StrCat("find ", name));
-  const Handle type(H5Dget_type(array), H5Tclose, StrCat("read the type of ", name));
-  const std::size_t length = H5Tget_size(type);
-  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0 || length == 0) {
-    throw Error(StrCat(name, " does not hold strings of a fixed length"));
+SegmentDamage Read(std::span<const std::uint8_t> bytes,
+                   const std::function<void(GameRecord&&)>& visit) {
+  const auto [index, as_written] = FindIndex(bytes);
+  if (!index) {
+    if (!IsWholeHdf5(bytes))
+      return {.reason = "it is cut short, or no segment", .lost = std::nullopt};
+    throw Error(
+        StrCat("it is of another format, or another program has changed it; this program "
+               "reads format ",
+               kSegmentFormat));
   }
-  std::string padded(RowCount(array, name, 0, length, file_bytes) * length, '\0');
-  if (padded.empty()) return {};
-  Checked(H5Dread(array, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()),
-          StrCat("read ", name));
-  std::vector<std::string> strings;
-  for (std::size_t start = 0; start < padded.size(); start += length) {
-    std::string string = padded.substr(start, length);
-    string.erase(string.find_last_not_of('\0') + 1);
-    strings.push_back(std::move(string));
-  }
-  return strings;
-}
-
-// Opens a file without the library's lock: segments never change, some file systems have no locks,
-// and on others whoever looks at a file in another program may hold one.
-hid_t Open(const fs::path& path, std::uint64_t bytes) {
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make access properties");
-  Checked(H5Pset_file_locking(access, /*use_file_locking=*/0, /*ignore_when_disabled=*/1),
-          "do without locks");
-  return Checked(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access),
-                 StrCat("open it (", bytes, " bytes)"));
-}
-
-// A segment opened for reading. Throws Error if it is none of ours.
-class SegmentReader {
- public:
-  explicit SegmentReader(const fs::path& path)
-      : bytes_(ReadableBytes(path)), file_(Open(path, bytes_), H5Fclose, "open it") {
-    ExpectFormat(file_);
-  }
-
-  [[nodiscard]] SegmentColumns Columns() const {
-    SegmentColumns columns;
-    ForEachColumn(columns, [&](const char* name, auto& column, const char*) {
-      ReadColumn(file_, name, bytes_, column);
-    });
-    columns.evaluators = ReadStrings(file_, kEvaluators, bytes_);
-    return columns;
-  }
-  [[nodiscard]] std::vector<std::uint64_t> Tickets() const {
-    std::vector<std::uint64_t> tickets;
-    ReadColumn(file_, "games/ticket", bytes_, tickets);
-    return tickets;
-  }
-
- private:
-  static std::uint64_t ReadableBytes(const fs::path& path) {
-    if (access(path.c_str(), R_OK) != 0) throw Error(std::strerror(errno));
-    return fs::file_size(path);
-  }
-
-  std::uint64_t bytes_;
-  Handle file_;
-};
-
-// Calls `read`; an error then names the segment.
-template <typename Read>
-auto Named(const fs::path& path, Read&& read) {
-  SilenceLibrary();
-  try {
-    return read();
-  } catch (const Error& error) {
-    throw Error(StrCat("segment ", path.string(), ": ", error.what()));
-  } catch (const fs::filesystem_error& error) {
-    throw Error(StrCat("segment ", path.string(), ": ", error.code().message()));
-  }
+  std::unordered_set<std::uint64_t> whole;
+  std::string damage = ForEachWholeGame(ReadColumns(bytes, *index), [&](GameRecord&& game) {
+    whole.insert(game.ticket);
+    visit(std::move(game));
+  });
+  if (damage.empty() && as_written) return {};
+  std::vector<std::uint64_t> lost = index->tickets;
+  std::erase_if(lost, [&](std::uint64_t ticket) { return whole.contains(ticket); });
+  return {.reason = damage.empty() ? "its checksum is wrong" : damage, .lost = std::move(lost)};
 }
 
 }  // namespace
 
 std::vector<std::uint8_t> EncodeSegment(std::span<const GameRecord> games) {
   SilenceLibrary();
-  return Encode(ToColumns(games));
+  const SegmentColumns columns = ToColumns(games);
+  SegmentIndex index{.tickets = columns.games.ticket, .evaluators = columns.evaluators};
+  std::vector<std::uint8_t> bytes = Encode(columns, index.places);
+  const std::vector<std::uint8_t> ending = EndingOf(index, bytes);
+  bytes.insert(bytes.end(), ending.begin(), ending.end());
+  return bytes;
 }
 
-void ReadSegment(const fs::path& path, const std::function<void(GameRecord&&)>& visit) {
-  Named(path, [&] { ForEachGame(SegmentReader(path).Columns(), visit); });
+std::string LostText(const SegmentDamage& damage) {
+  return damage.lost ? TicketsText(*damage.lost) : "unknown";
 }
 
-std::vector<std::uint64_t> ReadTickets(const fs::path& path) {
-  return Named(path, [&] { return SegmentReader(path).Tickets(); });
+SegmentDamage ReadSegment(const fs::path& path, const std::function<void(GameRecord&&)>& visit) {
+  const std::vector<std::uint8_t> bytes = ReadFileBytes(path);
+  try {
+    return Read(bytes, visit);
+  } catch (const Error& error) {
+    throw Error(StrCat("segment ", path.string(), ": ", error.what()));
+  }
+}
+
+std::optional<std::vector<std::uint64_t>> ReadTickets(const fs::path& path) {
+  const auto bytes = IndexBytes(ReadFileEnd(path, kIndexEndBytes));
+  if (!bytes) return std::nullopt;
+  auto index = IndexAtEnd(ReadFileEnd(path, *bytes));
+  return index ? std::optional(std::move(index->tickets)) : std::nullopt;
 }
 
 }  // namespace powderkeg

@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/record/game_record.h"
@@ -18,17 +20,32 @@ namespace powderkeg {
 // attribute `powderkeg_format` is kSegmentFormat. In Python:
 // h5py.File(path)["decisions/visits"][:].
 //
-// HDF5 is not thread-safe: one thread of a process at a time may call these functions.
-
-// The bytes of the file. Made in memory: the errors of a disk are met by whoever writes them.
+// Behind what HDF5 reads stands an index (segment_index.h), by which this program reads: a restart
+// reads no more than it of games that were used long ago, and a damaged file loses only games whose
+// own rows are hit.
+//
+// The bytes of the file. Made in memory: the errors of a disk are met by whoever writes them. HDF5
+// is not thread-safe: one thread of a process at a time may call this.
 [[nodiscard]] std::vector<std::uint8_t> EncodeSegment(std::span<const GameRecord> games);
 
-// Calls `visit` for each game in order (the games themselves are not verified). Throws Error that
-// names the file and says what is wrong; some games may have been visited by then.
-void ReadSegment(const std::filesystem::path& path, const std::function<void(GameRecord&&)>& visit);
+struct SegmentDamage {
+  std::string reason;  // empty: there is none
+  // Tickets of the games that cannot be read; nullopt: nobody knows.
+  std::optional<std::vector<std::uint64_t>> lost = std::vector<std::uint64_t>{};
+};
 
-// The tickets of the games, in order, without reading the rest: what a restart needs of games that
-// were used long ago. Throws Error as ReadSegment.
-[[nodiscard]] std::vector<std::uint64_t> ReadTickets(const std::filesystem::path& path);
+// "3-5 9", "none" or "unknown".
+[[nodiscard]] std::string LostText(const SegmentDamage& damage);
+
+// Calls `visit` for each game that agrees with its checksum, in order (the games themselves are
+// not verified). Throws Error that names the file if the file system does not give it or it is of
+// another format.
+[[nodiscard]] SegmentDamage ReadSegment(const std::filesystem::path& path,
+                                        const std::function<void(GameRecord&&)>& visit);
+
+// The tickets of the games, in order, without reading the rest; nullopt: they are damaged, or it is
+// no such file. Throws Error as ReadSegment.
+[[nodiscard]] std::optional<std::vector<std::uint64_t>> ReadTickets(
+    const std::filesystem::path& path);
 
 }  // namespace powderkeg

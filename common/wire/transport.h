@@ -49,7 +49,7 @@ class ServerChannel {
 
   // Does not wait. False: the peer is gone or does not read; nothing was sent.
   virtual bool Send(const PeerId& peer, const std::string& bytes) = 0;
-  // As ClientChannel::Receive.
+  // As ClientChannel::Receive, but may give up sooner.
   virtual std::optional<Incoming> Receive(std::chrono::milliseconds timeout,
                                           const Waker& waker) = 0;
   // Where clients on this machine connect to, a chosen port included.

@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "common/base/check.h"
+#include "common/base/descriptors.h"
 #include "common/base/durable_file.h"
 #include "common/wire/keys.h"
 
@@ -75,6 +76,7 @@ ClientKeys ReadClientKeys(const std::filesystem::path& folder, const std::string
 
 std::optional<std::string> ActorOfKey(const std::filesystem::path& folder,
                                       std::string_view public_key) {
+  const ReservedDescriptors reserved;
   std::error_code error;
   for (const auto& file : std::filesystem::directory_iterator(folder / "actors", error)) {
     if (file.path().extension() == ".public" && file.is_regular_file(error) &&

@@ -2,6 +2,8 @@
 
 #include <netdb.h>
 #include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -17,8 +19,10 @@
 #include <zmq_addon.hpp>
 
 #include "common/base/check.h"
+#include "common/base/descriptors.h"
 #include "common/base/log.h"
 #include "common/base/log_budget.h"
+#include "common/wire/connection_watch.h"
 #include "common/wire/messages.h"
 
 namespace powderkeg {
@@ -65,6 +69,20 @@ void ExpectPort(const std::string& endpoint) {
   throw Error(StrCat("the port of ", endpoint, " is \"", port, "\"; expected 0 to 65535"));
 }
 
+// ZeroMQ takes the path of an ipc address from whoever listens there.
+void ExpectNobodyListens(const std::string& endpoint) {
+  constexpr std::string_view kIpc = "ipc://";
+  sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};
+  const std::string path = endpoint.substr(std::min(kIpc.size(), endpoint.size()));
+  if (!endpoint.starts_with(kIpc) || path.size() >= sizeof address.sun_path) return;
+  path.copy(address.sun_path, path.size());
+  const int peer = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const auto* any = reinterpret_cast<const sockaddr*>(&address);
+  const bool taken = connect(peer, any, sizeof address) == 0;
+  close(peer);
+  if (taken) throw Error(StrCat("cannot listen on ", endpoint, ": somebody else does"));
+}
+
 // Waits until the socket has a message. False: time is up or the waker was notified.
 bool WaitForMessage(zmq::socket_t& socket, milliseconds timeout, const Waker& waker) {
   std::array<zmq::pollitem_t, 2> items = {
@@ -105,6 +123,32 @@ std::optional<std::vector<zmq::message_t>> ReceiveFrames(zmq::socket_t& socket) 
     return std::nullopt;
   }
   return frames;
+}
+
+// `monitor` tells of the events of `socket`, however many wait.
+void Monitor(zmq::socket_t& socket, int events, zmq::socket_t& monitor) {
+  monitor.set(zmq::sockopt::rcvhwm, 0);
+  if (zmq_socket_monitor(socket.handle(), kMonitorEndpoint, events) != 0) {
+    throw Error(StrCat("cannot watch connections: ", zmq_strerror(zmq_errno())));
+  }
+  monitor.connect(kMonitorEndpoint);
+}
+
+struct MonitorEvent {
+  int number;
+  int value;
+};
+
+// Does not wait.
+std::optional<MonitorEvent> NextEvent(zmq::socket_t& monitor) {
+  const auto frames = ReceiveFrames(monitor);
+  std::uint16_t number = 0;
+  std::int32_t value = 0;
+  if (!frames || frames->front().size() < sizeof number + sizeof value) return std::nullopt;
+  const auto* bytes = frames->front().data<std::uint8_t>();
+  std::memcpy(&number, bytes, sizeof number);
+  std::memcpy(&value, bytes + sizeof number, sizeof value);
+  return MonitorEvent{number, value};
 }
 
 // The zeromq authentication protocol (ZeroMQ RFC 27): lets in whoever has a key in the folder.
@@ -172,11 +216,16 @@ class KeyChecker {
 class ZmqServer final : public ServerChannel {
  public:
   explicit ZmqServer(const ListenSettings& settings)
-      : context_(1), socket_(context_, zmq::socket_type::router) {
+      : context_(1),
+        socket_(context_, zmq::socket_type::router),
+        monitor_(context_, zmq::socket_type::pair),
+        watch_(LimitsFor(settings.keys.has_value())) {
     SetCommonOptions(socket_);
+    Monitor(socket_, ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED, monitor_);
     socket_.set(zmq::sockopt::router_mandatory, 1);
     if (settings.keys) UseKeys(*settings.keys);
     ExpectPort(settings.endpoint);
+    ExpectNobodyListens(settings.endpoint);
     try {
       socket_.bind(settings.endpoint);
     } catch (const zmq::error_t& error) {
@@ -185,14 +234,24 @@ class ZmqServer final : public ServerChannel {
     }
   }
 
+  // An event that nobody takes would hold up the io thread.
+  ~ZmqServer() override { zmq_socket_monitor(socket_.handle(), nullptr, 0); }
+  ZmqServer(const ZmqServer&) = delete;
+  ZmqServer& operator=(const ZmqServer&) = delete;
+
   bool Send(const PeerId& peer, const std::string& bytes) override {
     return SendFrame(socket_, peer, zmq::send_flags::sndmore) && SendFrame(socket_, bytes);
   }
 
   std::optional<Incoming> Receive(milliseconds timeout, const Waker& waker) override {
-    if (!WaitForMessage(socket_, timeout, waker)) return std::nullopt;
-    auto frames = ReceiveFrames(socket_);
-    if (!frames || frames->empty()) return std::nullopt;
+    WatchConnections();
+    auto frames = WaitForMessage(socket_, std::min(timeout, kLook), waker) ? ReceiveFrames(socket_)
+                                                                           : std::nullopt;
+    if (!frames || frames->empty()) {
+      watch_.AllHeard();
+      return std::nullopt;
+    }
+    watch_.Heard(zmq_msg_get(frames->back().handle(), ZMQ_SRCFD));
     // A message of more or fewer frames than our own has no bytes that could be read.
     Incoming incoming{.peer = frames->front().to_string()};
     if (frames->size() == 2) incoming.bytes = frames->back().to_string();
@@ -212,6 +271,34 @@ class ZmqServer final : public ServerChannel {
   }
 
  private:
+  static constexpr milliseconds kLook{20};
+
+  // Nobody's message to a learner is longer than games. A frame of one byte takes 64 of memory; of
+  // a message it takes 3, with keys 35.
+  static ConnectionLimits LimitsFor(bool keys) {
+    constexpr std::uint64_t kLongest = kMaxGamesBytes + (std::size_t{1} << 20);
+    return {.connections = DescriptorLimit() / 2,
+            .unfinished = kLongest,
+            .unfinished_in_all = (keys ? 16 : 1) * kLongest};
+  }
+
+  // Looks less often where there are many, so that it never takes much time.
+  void WatchConnections() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now < next_look_) return;
+    const auto many = std::chrono::microseconds(50) * watch_.size();
+    next_look_ = now + std::max<std::chrono::steady_clock::duration>(kLook, many);
+    while (const auto event = NextEvent(monitor_)) {
+      if (event->number == ZMQ_EVENT_ACCEPTED) watch_.Opened(event->value);
+      if (event->number == ZMQ_EVENT_DISCONNECTED) watch_.Closed(event->value);
+    }
+    const std::size_t cut = watch_.CutExcess();
+    if (cut > 0 && log_budget_.Spend()) {
+      log::Warn("connections cut: too many, or a message without end", "cut", cut, "open",
+                watch_.size());
+    }
+  }
+
   void UseKeys(const std::filesystem::path& keys) {
     socket_.set(zmq::sockopt::curve_server, true);
     socket_.set(zmq::sockopt::curve_secretkey, ReadKey(keys / "learner.secret"));
@@ -222,6 +309,10 @@ class ZmqServer final : public ServerChannel {
   zmq::context_t context_;
   std::optional<KeyChecker> key_checker_;
   zmq::socket_t socket_;
+  zmq::socket_t monitor_;  // tells of connections
+  ConnectionWatch watch_;
+  std::chrono::steady_clock::time_point next_look_;
+  log::Budget log_budget_;
 };
 
 // "tcp://ADDRESS:PORT" for every address that the name in an endpoint has now, in the system's
@@ -258,7 +349,7 @@ class ZmqClient final : public ClientChannel {
         socket_(context_, zmq::socket_type::dealer),
         monitor_(context_, zmq::socket_type::pair) {
     SetCommonOptions(socket_);
-    Monitor();
+    Monitor(socket_, kHandshakeFailed | ZMQ_EVENT_CONNECT_RETRIED, monitor_);
     socket_.set(zmq::sockopt::immediate, true);
     socket_.set(zmq::sockopt::reconnect_ivl, kReconnectMs);
     socket_.set(zmq::sockopt::reconnect_ivl_max, 5000);
@@ -299,24 +390,12 @@ class ZmqClient final : public ClientChannel {
                                           ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
                                           ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
 
-  void Monitor() {
-    constexpr int kEvents = kHandshakeFailed | ZMQ_EVENT_CONNECT_RETRIED;
-    if (zmq_socket_monitor(socket_.handle(), kMonitorEndpoint, kEvents) != 0) {
-      throw Error(StrCat("cannot watch a connection: ", zmq_strerror(zmq_errno())));
-    }
-    monitor_.connect(kMonitorEndpoint);
-  }
-
   void HearMonitor() {
-    while (auto frames = ReceiveFrames(monitor_)) {
-      // The first frame of an event begins with its number.
-      std::uint16_t event = 0;
-      if (frames->front().size() < sizeof event) continue;
-      std::memcpy(&event, frames->front().data(), sizeof event);
-      if (event == ZMQ_EVENT_CONNECT_RETRIED) {
+    while (const auto event = NextEvent(monitor_)) {
+      if (event->number == ZMQ_EVENT_CONNECT_RETRIED) {
         TryNextAddress();
       } else {
-        trouble_ = Meaning(event);
+        trouble_ = Meaning(event->number);
       }
     }
   }

@@ -14,6 +14,7 @@
 
 #include "common/base/check.h"
 #include "common/base/durable_file.h"
+#include "common/base/log.h"
 #include "common/record/ticket_set.h"
 #include "common/segment/segment_file.h"
 
@@ -42,14 +43,40 @@ std::optional<std::uint64_t> SegmentNumber(const fs::path& path) {
 
 bool IsSmall(std::uint64_t bytes) { return bytes < kMergeBelowBytes; }
 
-constexpr auto kAll = [](std::uint64_t) { return true; };
-
 std::uint64_t SizeOf(const fs::path& path) {
   std::error_code error;
   const std::uint64_t size = fs::file_size(path, error);
   if (error) throw Error(StrCat("cannot read ", path.string(), ": ", error.message()));
   return size;
 }
+
+// Loads segment after segment.
+struct Loading {
+  const std::function<bool(std::uint64_t)>& wanted;
+  const std::function<void(GameRecord&&)>& visit;
+  TicketSet seen;
+  std::vector<std::uint64_t> stored;
+
+  // False: the segment is damaged; its games were visited as far as they are whole.
+  bool Load(const fs::path& path) {
+    const auto tickets = ReadTickets(path);
+    if (!tickets) return false;
+    std::unordered_set<std::uint64_t> missing;
+    for (const std::uint64_t ticket : *tickets) {
+      if (!seen.Contains(ticket) && wanted(ticket)) missing.insert(ticket);
+    }
+    SegmentDamage damage;
+    if (!missing.empty()) {
+      damage = ReadSegment(path, [&](GameRecord&& game) {
+        if (missing.erase(game.ticket) != 0) visit(std::move(game));
+      });
+    }
+    for (const std::uint64_t ticket : *tickets) {
+      if (!missing.contains(ticket) && seen.Insert(ticket)) stored.push_back(ticket);
+    }
+    return damage.reason.empty();
+  }
+};
 
 }  // namespace
 
@@ -75,29 +102,18 @@ void ReplayStore::Append(std::span<const GameRecord> games) {
   segments_.push_back(segment);
 }
 
-void ReplayStore::LoadFrom(std::span<const Segment> segments,
-                           const std::function<bool(std::uint64_t)>& wanted,
-                           const std::function<void(GameRecord&&)>& visit) const {
-  TicketSet seen;
-  for (const Segment& segment : segments) {
-    std::unordered_set<std::uint64_t> chosen;
-    for (const std::uint64_t ticket : ReadTickets(PathOf(segment))) {
-      if (seen.Insert(ticket) && wanted(ticket)) chosen.insert(ticket);
+std::vector<std::uint64_t> ReplayStore::Load(const std::function<bool(std::uint64_t)>& wanted,
+                                             const std::function<void(GameRecord&&)>& visit) {
+  Loading loading{.wanted = wanted, .visit = visit, .seen = TicketSet(), .stored = {}};
+  for (std::size_t i = 0; i < segments_.size();) {
+    const Segment segment = segments_[i];
+    if (loading.Load(PathOf(segment))) {
+      ++i;
+    } else {
+      Rewrite(std::span(&segment, 1));  // its games come again, at the end
     }
-    if (chosen.empty()) continue;
-    ReadSegment(PathOf(segment), [&](GameRecord&& game) {
-      if (chosen.erase(game.ticket) != 0) visit(std::move(game));
-    });
   }
-}
-
-void ReplayStore::Load(const std::function<void(GameRecord&&)>& visit) const {
-  LoadFrom(segments_, kAll, visit);
-}
-
-void ReplayStore::Load(const std::function<bool(std::uint64_t)>& wanted,
-                       const std::function<void(GameRecord&&)>& visit) const {
-  LoadFrom(segments_, wanted, visit);
+  return std::move(loading.stored);
 }
 
 std::size_t ReplayStore::small_segment_count() const {
@@ -109,8 +125,9 @@ std::size_t ReplayStore::Trim(std::uint64_t max_bytes,
   std::uint64_t bytes = 0;
   for (const Segment& segment : segments_) bytes += segment.bytes;
   const std::size_t removed = std::erase_if(segments_, [&](const Segment& segment) {
-    if (bytes <= max_bytes || std::ranges::any_of(ReadTickets(PathOf(segment)), wanted))
-      return false;
+    if (bytes <= max_bytes) return false;
+    const auto tickets = ReadTickets(PathOf(segment));
+    if (!tickets || std::ranges::any_of(*tickets, wanted)) return false;
     RemoveFile(PathOf(segment));
     bytes -= segment.bytes;
     return true;
@@ -127,23 +144,44 @@ void ReplayStore::Merge() {
     batch.push_back(segment);
     bytes += segment.bytes;
     if (IsSmall(bytes)) continue;
-    MergeAll(batch);
+    if (batch.size() > 1) Rewrite(batch);
     batch.clear();
     bytes = 0;
   }
-  MergeAll(batch);
+  if (batch.size() > 1) Rewrite(batch);
 }
 
-void ReplayStore::MergeAll(std::span<const Segment> originals) {
-  if (originals.size() < 2) return;
+void ReplayStore::Rewrite(std::span<const Segment> originals) {
   std::vector<GameRecord> games;
-  LoadFrom(originals, kAll, [&](GameRecord&& game) { games.push_back(std::move(game)); });
+  std::vector<SegmentDamage> damages;
+  TicketSet seen;
+  for (const Segment& segment : originals) {
+    damages.push_back(ReadSegment(PathOf(segment), [&](GameRecord&& game) {
+      if (seen.Insert(game.ticket)) games.push_back(std::move(game));
+    }));
+  }
   Append(games);
-  for (const Segment& segment : originals) RemoveFile(PathOf(segment));
+  for (std::size_t i = 0; i < originals.size(); ++i) {
+    if (damages[i].reason.empty()) {
+      RemoveFile(PathOf(originals[i]));
+    } else {
+      SetAside(PathOf(originals[i]), damages[i]);
+    }
+  }
   SyncFolder(folder_);
   std::erase_if(segments_, [&](const Segment& segment) {
     return std::ranges::find(originals, segment.number, &Segment::number) != originals.end();
   });
+}
+
+void ReplayStore::SetAside(const fs::path& path, const SegmentDamage& damage) {
+  fs::path aside = path;
+  do aside += ".damaged";
+  while (fs::exists(aside));
+  RenameFile(path, aside);
+  log::Warn("a segment is damaged: its whole games are kept, the file is set aside", "file",
+            aside.string(), "reason", damage.reason, "tickets_lost", LostText(damage));
+  if (damage.lost) lost_.insert(lost_.end(), damage.lost->begin(), damage.lost->end());
 }
 
 }  // namespace powderkeg

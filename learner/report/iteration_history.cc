@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <ranges>
 #include <span>
 #include <sstream>
 #include <string_view>
@@ -78,10 +79,17 @@ std::optional<int> IterationOf(const Cells& row) {
 
 }  // namespace
 
-IterationHistory::IterationHistory(std::filesystem::path path, int iterations_done)
+IterationHistory::IterationHistory(std::filesystem::path path, int iterations_done,
+                                   const std::string& kept)
     : path_(std::move(path)) {
   for (const Figure& figure : IterationFigures()) columns_.emplace_back(figure.name);
-  if (std::filesystem::exists(path_)) Read(iterations_done);
+  std::vector<std::uint8_t> bytes;
+  if (std::filesystem::exists(path_)) bytes = ReadFileBytes(path_);
+  const std::string file(bytes.begin(), bytes.end());
+  AddColumns(file);
+  AddColumns(kept);
+  Read(file, iterations_done);
+  Restore(kept);
   if (const std::size_t done = static_cast<std::size_t>(iterations_done); rows_.size() < done) {
     log::Warn("the table lacks rows of finished iterations: their figures are lost", "table",
               path_.string(), "missing", done - rows_.size(), "of", done);
@@ -89,12 +97,10 @@ IterationHistory::IterationHistory(std::filesystem::path path, int iterations_do
   Write();
 }
 
-void IterationHistory::Read(int iterations_done) {
-  const std::vector<std::uint8_t> bytes = ReadFileBytes(path_);
-  std::istringstream file(std::string(bytes.begin(), bytes.end()));
-  std::string line;
-  if (!std::getline(file, line)) return;
-  const Cells header = CellsOf(line);
+// Those that the table has and no other so far.
+void IterationHistory::AddColumns(const std::string& table) {
+  const Cells header = CellsOf(table.substr(0, table.find('\n')));
+  if (table.empty()) return;
   if (header.front() != columns_.front()) {
     throw Error(StrCat(path_.string(), " begins with '", header.front(),
                        "', expected a table whose first column is ", columns_.front()));
@@ -102,13 +108,20 @@ void IterationHistory::Read(int iterations_done) {
   std::ranges::copy_if(header, std::back_inserter(columns_), [this](const std::string& column) {
     return std::ranges::find(columns_, column) == columns_.end();
   });
+}
+
+void IterationHistory::Read(const std::string& table, int iterations_done) {
+  std::istringstream lines(table);
+  std::string line;
+  std::getline(lines, line);
+  const Cells header = CellsOf(line);
   int damaged = 0;
   int later = 0;
-  while (std::getline(file, line)) {
+  while (std::getline(lines, line)) {
     const Cells cells = CellsOf(line);
     const Cells row = Ordered(cells, header, columns_);
     const auto iteration = IterationOf(row);
-    if (!iteration || cells.size() != header.size() || file.eof()) {
+    if (!iteration || cells.size() != header.size() || lines.eof()) {
       ++damaged;
     } else if (*iteration > iterations_done) {
       ++later;
@@ -117,14 +130,37 @@ void IterationHistory::Read(int iterations_done) {
     }
   }
   if (damaged == 0 && later <= 1) return;
-  WriteFileDurably(path_.string() + ".old", bytes);
+  WriteFileDurably(path_.string() + ".old", BytesOf(table));
   log::Warn("rows go; the table as it was is kept beside it as .old", "table", path_.string(),
             "damaged", damaged, "of_iterations_not_done", later);
 }
 
+// The figures of the rows of `kept`; columns that only the file has are the file's.
+void IterationHistory::Restore(const std::string& kept) {
+  std::istringstream lines(kept);
+  std::string line;
+  std::getline(lines, line);
+  const Cells header = CellsOf(line);
+  int restored = 0;
+  while (std::getline(lines, line)) {
+    Cells row = Ordered(CellsOf(line), header, columns_);
+    std::string& known = rows_[IterationOf(row).value()];
+    if (!known.empty()) {
+      const auto figures = static_cast<std::ptrdiff_t>(IterationFigures().size());
+      std::ranges::copy(CellsOf(known) | std::views::drop(figures), row.begin() + figures);
+    }
+    if (LineOf(row) == known) continue;
+    known = LineOf(row);
+    ++restored;
+  }
+  if (restored == 0) return;
+  log::Warn("rows were missing or other than the checkpoint has them: they are restored", "table",
+            path_.string(), "rows", restored);
+}
+
 void IterationHistory::Write() const { WriteFileDurably(path_, BytesOf(CsvAfter(0))); }
 
-void IterationHistory::Append(const IterationReport& report) {
+std::string IterationHistory::Append(const IterationReport& report) {
   Cells cells(columns_.size());
   std::ranges::transform(ValuesOf(report), cells.begin(), Text);
   {
@@ -132,6 +168,7 @@ void IterationHistory::Append(const IterationReport& report) {
     rows_.insert_or_assign(report.iteration, LineOf(cells));
   }
   Write();
+  return CsvAfter(0);
 }
 
 std::string IterationHistory::CsvAfter(int iteration) const {

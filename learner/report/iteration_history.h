@@ -18,14 +18,15 @@ namespace powderkeg {
 // kept. Thread-safe; nobody who asks waits for a disk.
 class IterationHistory {
  public:
-  // Reads the file, if there is one, and writes what it is from now on. Rows of iterations that are
-  // not done (and now repeated) go. Warns of rows that are damaged or missing; before any goes that
-  // cannot be had again the file is kept as PATH.old. Throws Error if it is no such file, which is
-  // then untouched, or cannot be written.
-  IterationHistory(std::filesystem::path path, int iterations_done);
+  // Reads the file, if there is one, and writes what it is from now on. `kept` is what Append gave
+  // for the iteration that was the last (the checkpoint has it): the file's rows are made as they
+  // were then. Rows of iterations that are not done (and now repeated) go. Warns of rows that are
+  // damaged, missing or other; before any goes that cannot be had again the file is kept as
+  // PATH.old. Throws Error if it is no such file, which is then untouched, or cannot be written.
+  IterationHistory(std::filesystem::path path, int iterations_done, const std::string& kept = {});
 
-  // Iterations ascend. Durable when it returns; throws Error.
-  void Append(const IterationReport& report);
+  // Iterations ascend. Durable when it returns the whole table; throws Error.
+  std::string Append(const IterationReport& report);
 
   // As in the file: the header, then a row for each iteration later than this one.
   [[nodiscard]] std::string CsvAfter(int iteration) const;
@@ -34,7 +35,9 @@ class IterationHistory {
   [[nodiscard]] std::optional<std::vector<double>> last() const;
 
  private:
-  void Read(int iterations_done);
+  void AddColumns(const std::string& table);
+  void Read(const std::string& table, int iterations_done);
+  void Restore(const std::string& kept);
   void Write() const;
 
   const std::filesystem::path path_;

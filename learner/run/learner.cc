@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <thread>
+#include <unordered_set>
 #include <utility>
 #include <variant>
 
@@ -14,6 +15,7 @@
 #include "common/base/unique.h"
 #include "common/base/worker.h"
 #include "common/config/config.h"
+#include "common/record/ticket_set.h"
 #include "common/wire/zmq_transport.h"
 #include "learner/replay/demonstrations.h"
 #include "learner/report/dashboard.h"
@@ -71,12 +73,11 @@ Lessons LessonsOf(const GameRecord& game) {
 Learner::Learner(const LearnerSettings& settings)
     : folder_(settings.folder),
       name_(RunNameOf(settings.folder)),
-      lock_(settings.folder),
       config_(ConfigOfRun(settings.folder, settings.config, settings.changes)),
       games_(config_.self_play),
       store_(settings.folder / "replay"),
       loop_(LoopSettings(settings), LoopHooks()),
-      history_(settings.folder / "iterations.csv", loop_.progress().iteration),
+      history_(settings.folder / "iterations.csv", loop_.progress().iteration, loop_.table()),
       league_(settings.folder / "league.csv", NamesOfPlayers(games_), loop_.progress().iteration),
       exams_(settings.folder / "exams.csv", games_, loop_.progress().iteration),
       past_rng_(UniqueNumber()) {
@@ -137,7 +138,7 @@ LearnerLoopHooks Learner::LoopHooks() {
                 league_.Add(report.iteration, results);
                 exams_.Add(report.iteration, results);
                 report.progress = league_.Progress();
-                history_.Append(report);
+                return history_.Append(report);
               },
           .iteration_done =
               [this](const IterationReport& report) {
@@ -191,14 +192,18 @@ void Learner::ShowExams(int iteration) {
 
 // The tickets of the games stored so far; those that are still needed go to the loop.
 std::vector<std::uint64_t> Learner::LoadGames() {
-  std::vector<std::uint64_t> known;
-  store_.Load(
-      [&](std::uint64_t ticket) {
-        known.push_back(ticket);
-        return loop_.Wants(ticket);
-      },
-      [&](GameRecord&& game) { loop_.Add(LessonsOf(game)); });
-  return known;
+  std::vector<std::uint64_t> stored =
+      store_.Load([&](std::uint64_t ticket) { return loop_.Wants(ticket); },
+                  [&](GameRecord&& game) { loop_.Add(LessonsOf(game)); });
+  std::vector<std::uint64_t> lost = store_.lost_tickets();
+  const std::unordered_set<std::uint64_t> elsewhere(stored.begin(), stored.end());
+  std::erase_if(lost, [&](std::uint64_t ticket) { return elsewhere.contains(ticket); });
+  if (lost.empty()) return stored;
+  std::vector<std::uint64_t> again = lost;
+  std::erase_if(again, [&](std::uint64_t ticket) { return ticket < loop_.next_ticket(); });
+  log::Warn("games were lost in damaged segments", "tickets", TicketsText(std::move(lost)),
+            "played_again", TicketsText(std::move(again)));
+  return stored;
 }
 
 // Untrained weights, version 1, are not met: nobody plays by them.

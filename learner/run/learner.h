@@ -42,7 +42,7 @@ struct LearnerSettings {
 
 class Learner {
  public:
-  // Takes the run, loads its games and opens its doors. Throws Error.
+  // Loads the games of the run, whose RunLock the caller holds, and opens its doors. Throws Error.
   explicit Learner(const LearnerSettings& settings);
 
   // Returns when every iteration is done or `stop_wanted`, asked twice a second, says so. Throws
@@ -71,7 +71,6 @@ class Learner {
   const std::filesystem::path folder_;
   const std::string name_;
   const std::time_t started_ = std::time(nullptr);
-  RunLock lock_;
   RunConfig config_;
   const RunGames games_;
   Display display_;

@@ -15,18 +15,19 @@
 #include "common/base/durable_file.h"
 #include "common/base/log.h"
 
-// Format: "PKCHECK1", u32 CRC-32C of the rest, then
+// Format: "PKCHECK2", u32 CRC-32C of the rest, then
 //   u64 number of data sets, each u64 first ticket, u64 last ticket
 //   u64 optimizer steps, u64 samples seen
 //   u64 length, that many bytes of a serialised WeightsSnapshot
 //   u64 number of optimizer arrays, each u64 length and bytes of its name, u64 number of
 //     dimensions, i64 each, f32 values
+//   u64 length, that many bytes of the table of iterations
 namespace powderkeg {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kMagic = "PKCHECK1";
+constexpr std::string_view kMagic = "PKCHECK2";
 constexpr std::size_t kHeaderBytes = kMagic.size() + sizeof(std::uint32_t);
 constexpr std::string_view kEnding = ".checkpoint";
 constexpr std::int64_t kMaxArrayLength = std::int64_t{1} << 32;  // values of one array
@@ -105,6 +106,8 @@ std::vector<std::uint8_t> Serialize(const Checkpoint& checkpoint) {
   out.WriteAll(std::span<const std::uint8_t>(weights));
   out.Write(Counter{trainer.optimizer.size()});
   for (const NamedArray& array : trainer.optimizer) Write(array, out);
+  out.Write(Counter{checkpoint.table.size()});
+  out.WriteAll(BytesOf(checkpoint.table));
   std::vector<std::uint8_t> bytes = out.Take();
   const std::uint32_t checksum = Crc32c(std::span(bytes).subspan(kHeaderBytes));
   std::memcpy(bytes.data() + kMagic.size(), &checksum, sizeof(checksum));
@@ -126,6 +129,7 @@ Checkpoint DeserializeCheckpoint(std::span<const std::uint8_t> bytes) {
   checkpoint.trainer.weights = Deserialize(in.Bytes(in.ReadCount<Counter>(1)));
   const std::size_t arrays = in.ReadCount<Counter>(2 * sizeof(Counter));
   for (std::size_t i = 0; i < arrays; ++i) checkpoint.trainer.optimizer.push_back(ReadArray(in));
+  checkpoint.table = in.ReadString(in.ReadCount<Counter>(1));
   in.ExpectEnd();
   return checkpoint;
 }

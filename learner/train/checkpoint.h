@@ -19,6 +19,7 @@ namespace powderkeg {
 struct Checkpoint {
   std::vector<TicketRange> data_sets;  // of every completed iteration; they follow each other
   TrainerState trainer;
+  std::string table;  // of the iterations, as the hook iteration_trained gave it
 
   [[nodiscard]] int iteration() const { return static_cast<int>(data_sets.size()); }
   friend bool operator==(const Checkpoint&, const Checkpoint&) = default;

@@ -9,6 +9,7 @@
 #include "common/base/check.h"
 #include "common/base/durable_file.h"
 #include "common/base/log.h"
+#include "common/record/ticket_set.h"
 
 namespace powderkeg {
 namespace {
@@ -146,7 +147,7 @@ LearnerLoop::LearnerLoop(LearnerLoopSettings settings, LearnerLoopHooks hooks)
 TrainerState LearnerLoop::FirstOrNewestState() {
   std::optional<Checkpoint> checkpoint = checkpoints_.LoadNewest();
   if (!checkpoint && settings_.first) {
-    checkpoint = Checkpoint{.data_sets = {}, .trainer = *settings_.first};
+    checkpoint = Checkpoint{.data_sets = {}, .trainer = *settings_.first, .table = {}};
     FitNetwork(settings_, checkpoint->trainer);
     checkpoints_.Save(*checkpoint);
   }
@@ -155,6 +156,7 @@ TrainerState LearnerLoop::FirstOrNewestState() {
   log::Info("resuming", "iterations_done", checkpoint->iteration(), "samples_seen",
             checkpoint->trainer.samples_seen);
   schedule_ = MakeSchedule(settings_.training, std::move(checkpoint->data_sets));
+  table_ = std::move(checkpoint->table);
   return std::move(checkpoint->trainer);
 }
 
@@ -238,21 +240,24 @@ void LearnerLoop::Run(const std::stop_token& stop) {
 
 void LearnerLoop::RestoreWindow() {
   const std::lock_guard lock(mutex_);
+  std::vector<std::uint64_t> missing;
   for (const TicketRange& range : schedule_.WindowOfNext()) {
+    for (std::uint64_t ticket = range.first; ticket <= range.last; ++ticket) {
+      if (!games_.contains(ticket)) missing.push_back(ticket);
+    }
     window_.Push(TakeDataSet(range).samples);
   }
   window_restored_ = true;
+  if (missing.empty()) return;
+  log::Warn("games of finished iterations are not in the store: training goes on without them",
+            "tickets", TicketsText(std::move(missing)));
 }
 
 DataSet LearnerLoop::TakeDataSet(const TicketRange& range) {
   DataSet data_set;
   for (std::uint64_t ticket = range.first; ticket <= range.last; ++ticket) {
     auto game = games_.extract(ticket);
-    if (game.empty()) {
-      throw Error(StrCat("the game of ticket ", ticket,
-                         " belongs to an iteration of the checkpoint but is not in the store"));
-    }
-    data_set.Add(std::move(game.mapped()), PartOf(ticket));
+    if (!game.empty()) data_set.Add(std::move(game.mapped()), PartOf(ticket));
   }
   return data_set;
 }
@@ -295,9 +300,10 @@ bool LearnerLoop::RunIteration(DataSet data_set, Seconds waited, const std::stop
   if (!data_set.held_out.empty()) AddHeldOut(trainer_->Measure(data_set.held_out), report);
   report.waited_s = waited.count();
   report.trained_s = Seconds(Clock::now() - start).count();
-  hooks_.iteration_trained(report, data_set.results);
+  std::string table = hooks_.iteration_trained(report, data_set.results);
   const TrainerState state = trainer_->state(version_ + 1);
-  checkpoints_.Save({.data_sets = schedule_.data_sets(), .trainer = state});
+  checkpoints_.Save(
+      {.data_sets = schedule_.data_sets(), .trainer = state, .table = std::move(table)});
   Publish(state);  // before more games are wanted
   {
     const std::lock_guard lock(mutex_);

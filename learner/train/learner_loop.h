@@ -47,9 +47,10 @@ struct LearnerLoopHooks {
   // then per iteration.
   std::function<void(const Snapshot&)> publish = [](const Snapshot&) {};
   // Before the checkpoint of an iteration, without which it is repeated, and reported again: what
-  // is written of it here is there once it counts as complete. May add to the report.
-  std::function<void(IterationReport&, std::span<const GameResult>)> iteration_trained =
-      [](IterationReport&, std::span<const GameResult>) {};
+  // is written of it here is there once it counts as complete. May add to the report; the
+  // checkpoint keeps what it returns.
+  std::function<std::string(IterationReport&, std::span<const GameResult>)> iteration_trained =
+      [](IterationReport&, std::span<const GameResult>) { return std::string(); };
   // After an iteration is complete and durable: a good moment to have the store merged (by the
   // store's own thread).
   std::function<void(const IterationReport&)> iteration_done = [](const IterationReport&) {};
@@ -97,6 +98,10 @@ class LearnerLoop {
   // Every ticket below it is a demonstration's or belongs to an iteration that was started: it is
   // done, even if its game is stored no more.
   [[nodiscard]] std::uint64_t next_ticket() const;
+
+  // What iteration_trained returned before the checkpoint that the loop was resumed from.
+  [[nodiscard]] const std::string& table() const { return table_; }
+
   // Games below it are not needed after a restart, whichever of the kept checkpoints it goes on
   // from. To be asked in iteration_done: an iteration in progress counts as complete.
   [[nodiscard]] std::uint64_t OldestTicketNeeded() const;
@@ -140,6 +145,7 @@ class LearnerLoop {
   const LearnerLoopHooks hooks_;
   CheckpointFolder checkpoints_;
   FirstWeights first_weights_ = FirstWeights::kUntrained;
+  std::string table_;
   std::uint32_t version_ = 1;  // of the trainer's weights
   std::unique_ptr<Trainer> trainer_;
   ReplayWindow window_;

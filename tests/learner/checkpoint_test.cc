@@ -26,6 +26,7 @@ Checkpoint CheckpointOf(int iteration) {
                        {"stem.bn.bias.exp_avg", {1}, {-0.5F}}};
   trainer.optimizer_steps = 1234;
   trainer.samples_seen = 567'890;
+  checkpoint.table = "iteration,games\n1,2\n";
   return checkpoint;
 }
 

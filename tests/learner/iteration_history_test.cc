@@ -162,6 +162,35 @@ TEST_F(IterationHistoryTest, RemovedCheckpointsDoNotEmptyTheTableSilently) {
   EXPECT_EQ(Contents(old_), Csv({1, 2, 3}));
 }
 
+// ---- Rows that the checkpoint has ---------------------------------------------------------------
+
+TEST_F(IterationHistoryTest, WhatTheFileLacksComesFromTheCheckpoint) {
+  const std::string row = Row(3);
+  for (const std::string& file :
+       {std::string(), Csv({1}), Csv({1, 3}), Csv({1, 2}) + row.substr(0, 20), Csv({1, 2, 3}),
+        Csv({1}) + "2,9" + Row(2).substr(3) + row}) {
+    fs::remove(path_);
+    if (!file.empty()) WriteTable(file);
+    testing::internal::CaptureStderr();
+    const IterationHistory history(path_, 3, Csv({1, 2, 3}));
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(said.empty(), file == Csv({1, 2, 3})) << file;
+    EXPECT_EQ(Contents(path_), Csv({1, 2, 3})) << file;
+  }
+}
+
+TEST_F(IterationHistoryTest, OwnColumnsOfTheFileStayBesideTheCheckpointsRows) {
+  WriteTable("iteration,my notes,games\n1,hot day,0\n");
+  const IterationHistory history(path_, 2, Csv({1, 2}));
+  const std::string row = Row(1);
+  EXPECT_THAT(Contents(path_), HasSubstr(row.substr(0, row.size() - 1) + ",hot day\n2,"));
+}
+
+TEST_F(IterationHistoryTest, AppendGivesTheTableForTheCheckpoint) {
+  IterationHistory history(path_, 0);
+  EXPECT_EQ(history.Append(ReportOf(1)), Csv({1}));
+}
+
 // A restart on a full disk must not cost the rows of weeks.
 TEST_F(IterationHistoryTest, AFullDiskIsAnErrorAndLosesNoRow) {
   {

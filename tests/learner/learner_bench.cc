@@ -38,7 +38,9 @@ void LoadFromStore(benchmark::State& state) {
   const TemporaryFolder folder;
   ReplayStore store(folder.path());
   store.Append(games);
-  for (auto _ : state) store.Load([](GameRecord&& game) { benchmark::DoNotOptimize(game); });
+  for (auto _ : state)
+    store.Load([](std::uint64_t) { return true; },
+               [](GameRecord&& game) { benchmark::DoNotOptimize(game); });
   state.SetItemsProcessed(state.iterations() * 100 * 200);
 }
 BENCHMARK(LoadFromStore)->Unit(benchmark::kMillisecond)->Name("load, decisions");

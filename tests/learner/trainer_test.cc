@@ -125,7 +125,7 @@ TEST(Trainer, ResumedTrainingEqualsUninterruptedBitForBit) {
   const ReplayWindow window = WindowOf(3);
   Trainer uninterrupted(TinySettings(), FreshState());
   Train(uninterrupted, window, 1);
-  const std::vector<std::uint8_t> bytes = Serialize(Checkpoint{{}, uninterrupted.state(2)});
+  const std::vector<std::uint8_t> bytes = Serialize(Checkpoint{{}, uninterrupted.state(2), {}});
   Train(uninterrupted, window, 2);
 
   const Checkpoint checkpoint = DeserializeCheckpoint(bytes);

@@ -9,6 +9,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <fstream>
 #include <iterator>
@@ -18,6 +21,7 @@
 #include <string_view>
 #include <thread>
 #include <vector>
+#include <zmq.hpp>
 
 #include "common/base/log.h"
 #include "common/wire/codec.h"
@@ -38,18 +42,43 @@ std::string LargeHello(const std::string& name) {
   return Encode(Hello{.name = name, .loops = kMaxLoops, .tickets = std::move(tickets)});
 }
 
+int Connected(const std::string& endpoint) {
+  const int tcp = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const int port = std::stoi(endpoint.substr(endpoint.rfind(':') + 1));
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  CHECK(connect(tcp, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
+  return tcp;
+}
+
+// Says nothing.
+class BarePeer {
+ public:
+  explicit BarePeer(const std::string& endpoint) : socket_(Connected(endpoint)) {}
+  ~BarePeer() { close(socket_); }
+  BarePeer(const BarePeer&) = delete;
+  BarePeer& operator=(const BarePeer&) = delete;
+
+  // The other side has not hung up.
+  [[nodiscard]] static bool IsOpen(const std::unique_ptr<BarePeer>& peer) {
+    std::array<char, 256> greeting;
+    ssize_t size = 1;
+    while (size > 0) size = recv(peer->socket_, greeting.data(), greeting.size(), MSG_DONTWAIT);
+    return size < 0 && errno == EAGAIN;
+  }
+
+ private:
+  const int socket_;
+};
+
 // Speaks just enough ZMTP 3.0 (ZeroMQ RFC 23) to be let in, and never reads from then on.
 class DeafPeer {
  public:
-  explicit DeafPeer(const std::string& endpoint) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const int port = std::stoi(endpoint.substr(endpoint.rfind(':') + 1));
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
+  explicit DeafPeer(const std::string& endpoint) : socket_(Connected(endpoint)) {
     const timeval patience{.tv_sec = 0, .tv_usec = 200'000};
     setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
-    CHECK(connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
     std::string greeting = std::string("\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL", 16);
     greeting.resize(64);
     const std::string ready = std::string("\4\x1c\5READY\xbSocket-Type\0\0\0\6DEALER", 30);
@@ -66,6 +95,9 @@ class DeafPeer {
   }
   DeafPeer(const DeafPeer&) = delete;
   DeafPeer& operator=(const DeafPeer&) = delete;
+
+  // As they are. False: the other side has stopped reading, or hung up.
+  bool SayBytes(std::string_view bytes) { return Send(bytes); }
 
   // False: the other side has stopped reading.
   bool Say(const std::string& bytes) {
@@ -227,6 +259,87 @@ TEST_F(HostilePeerTest, NobodyFillsTheLog) {
   std::ifstream lines(file);
   const auto count = std::count(std::istreambuf_iterator<char>(lines), {}, '\n');
   EXPECT_LE(count, 12 * (2 + std::chrono::duration_cast<std::chrono::seconds>(elapsed).count()));
+}
+
+// In MB, of this process.
+std::size_t Memory() {
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages >> pages;
+  return pages * static_cast<std::size_t>(getpagesize()) >> 20;
+}
+
+// Frames of one byte that all belong to one message: 36 MB of them used to take 770 MB.
+TEST_F(HostilePeerTest, AMessageWithoutEndIsCutOff) {
+  TestActor actor([&] { return ConnectZmq(endpoint_, std::nullopt); });
+  const std::size_t before = Memory();
+  std::string frames;
+  for (int i = 0; i < 20'000; ++i) frames += std::string_view("\1\1x", 3);  // 1: more follow
+  std::atomic<int> cut = 0;
+  {
+    std::vector<std::jthread> peers;
+    for (int i = 0; i < 3; ++i) {
+      peers.emplace_back([&] {
+        DeafPeer peer(endpoint_);
+        int said = 0;
+        while (said < 600 && peer.SayBytes(frames)) ++said;
+        if (said < 600) ++cut;
+      });
+    }
+  }
+  EXPECT_EQ(cut, 3);
+  EXPECT_LT(Memory() - std::min(before, Memory()), 200u);
+  ExpectServed(actor);
+}
+
+// Of a peer with a key the system sees 35 bytes for each.
+TEST_F(HostilePeerTest, AMessageWithoutEndUnderAKeyIsCutOff) {
+  const TemporarySpool folder;
+  WriteKeyPair(MakeKeyPair(), folder.path() / "learner");
+  WriteKeyPair(MakeKeyPair(), folder.path() / "actors" / "a");
+  TestLearner learner(ListenZmq({.endpoint = "tcp://127.0.0.1:0", .keys = folder.path()}));
+  const ClientKeys keys = ReadClientKeys(folder.path(), "a");
+  zmq::context_t context(1);
+  zmq::socket_t peer(context, zmq::socket_type::dealer);
+  peer.set(zmq::sockopt::linger, 0);
+  peer.set(zmq::sockopt::immediate, true);
+  peer.set(zmq::sockopt::curve_serverkey, keys.learner_public);
+  peer.set(zmq::sockopt::curve_publickey, keys.own.public_key);
+  peer.set(zmq::sockopt::curve_secretkey, keys.own.secret_key);
+  zmq::socket_t monitor(context, zmq::socket_type::pair);
+  zmq_socket_monitor(peer.handle(), "inproc://m", ZMQ_EVENT_DISCONNECTED);
+  monitor.connect("inproc://m");
+  peer.connect(learner.server->endpoint());
+  // The library holds them back until the last.
+  for (int i = 0; i < 1'000'000; ++i) peer.send(zmq::buffer("x", 1), zmq::send_flags::sndmore);
+  const std::size_t before = Memory();
+  peer.send(zmq::buffer("x", 1), zmq::send_flags::none);
+  zmq::message_t event;
+  EXPECT_TRUE(Eventually([&] {
+    return monitor.recv(event, zmq::recv_flags::dontwait).has_value();
+  })) << "35 MB of it have come";
+  EXPECT_LT(Memory() - std::min(before, Memory()), 100u);
+}
+
+// Half of the process's descriptors are for them.
+TEST_F(HostilePeerTest, ConnectionsThatSayNothingAreBounded) {
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  const rlimit few{.rlim_cur = 800, .rlim_max = limit.rlim_max};
+  setrlimit(RLIMIT_NOFILE, &few);
+  TestLearner learner(ListenZmq({.endpoint = "tcp://127.0.0.1:0"}), PatientSettings());
+  const std::string endpoint = learner.server->endpoint();
+  TestActor actor([&] { return ConnectZmq(endpoint, std::nullopt); });
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  setrlimit(RLIMIT_NOFILE, &limit);
+  std::vector<std::unique_ptr<BarePeer>> peers;
+  for (int i = 0; i < 450; ++i) peers.push_back(std::make_unique<BarePeer>(endpoint));
+  const auto open = [&] { return std::ranges::count_if(peers, &BarePeer::IsOpen); };
+  EXPECT_TRUE(Eventually([&] { return open() < 400; }));
+  EXPECT_GT(open(), 350);
+  EXPECT_TRUE(BarePeer::IsOpen(peers.back())) << "who has come last needs a moment";
+  actor.PlayOne();
+  EXPECT_TRUE(Eventually([&] { return actor.outbox.size() == 0; }));
+  EXPECT_EQ(learner.server->statistics().sessions_lost, 0u);
 }
 
 TEST_F(HostilePeerTest, AKeyIsGoodForItsOwnNameAlone) {

@@ -1,0 +1,102 @@
+#include "common/wire/connection_watch.h"
+
+#include <linux/tcp.h>
+#include <netinet/in.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <tuple>
+#include <vector>
+
+namespace powderkeg {
+namespace {
+
+// What the owner of a socket has read from it; 0 where the system does not count it, nullopt if the
+// socket is gone.
+std::optional<std::uint64_t> BytesRead(int socket) {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  if (getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) {
+    return errno == EBADF || errno == ENOTSOCK ? std::nullopt : std::optional<std::uint64_t>(0);
+  }
+  if (size < offsetof(tcp_info, tcpi_bytes_received) + sizeof info.tcpi_bytes_received) return 0;
+  int waiting = 0;
+  ioctl(socket, FIONREAD, &waiting);
+  return info.tcpi_bytes_received - static_cast<std::uint64_t>(std::max(waiting, 0));
+}
+
+}  // namespace
+
+void ConnectionWatch::Opened(int socket) {
+  connections_.insert_or_assign(socket, Connection{.number = opened_++, .turn = turn_});
+}
+
+void ConnectionWatch::Heard(int socket) {
+  const auto found = connections_.find(socket);
+  if (found == connections_.end()) return;
+  found->second.heard = true;
+  found->second.stranger = false;
+  // Those who have a message are heard one after the other.
+  if (++heard_ < 2 * connections_.size()) return;
+  heard_ = 0;
+  ++turn_;
+}
+
+void ConnectionWatch::Look(std::uint64_t bytes, Connection& connection) const {
+  if (connection.heard) {
+    connection.heard = false;
+    connection.base = bytes;
+  } else if (turn_ == connection.turn) {
+    return;
+  }
+  connection.unfinished = std::max(connection.seen, connection.base) - connection.base;
+  connection.seen = bytes;
+  connection.turn = turn_;
+}
+
+void ConnectionWatch::Cut(int socket) {
+  shutdown(socket, SHUT_RDWR);
+  connections_.erase(socket);
+}
+
+std::size_t ConnectionWatch::CutExcess() {
+  std::size_t cut = 0;
+  std::uint64_t unfinished = 0;
+  for (auto next = connections_.begin(); next != connections_.end();) {
+    auto& [socket, connection] = *next++;
+    const auto bytes = BytesRead(socket);
+    if (bytes) Look(*bytes, connection);
+    if (bytes && connection.unfinished <= limits_.unfinished) {
+      unfinished += connection.unfinished;
+      continue;
+    }
+    if (bytes) ++cut;
+    Cut(socket);
+  }
+  if (connections_.empty()) return cut;
+  if (unfinished > limits_.unfinished_in_all) {
+    Cut(std::ranges::max_element(connections_, {}, [](const auto& entry) {
+          return entry.second.unfinished;
+        })->first);
+    ++cut;
+  }
+  return cut + CutSurplus();
+}
+
+// The oldest stranger goes first: whoever has just come needs a moment to say something.
+std::size_t ConnectionWatch::CutSurplus() {
+  if (connections_.size() <= limits_.connections) return 0;
+  const std::size_t surplus = connections_.size() - limits_.connections;
+  std::vector<std::tuple<bool, std::uint64_t, int>> sockets;
+  for (const auto& [socket, connection] : connections_) {
+    sockets.emplace_back(!connection.stranger, connection.number, socket);
+  }
+  std::ranges::nth_element(sockets, sockets.begin() + static_cast<std::ptrdiff_t>(surplus));
+  for (std::size_t i = 0; i < surplus; ++i) Cut(std::get<int>(sockets[i]));
+  return surplus;
+}
+
+}  // namespace powderkeg
