@@ -26,7 +26,12 @@ namespace powderkeg {
 
 // Looks again and again until the condition holds; false after ten seconds.
 inline bool Eventually(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+  constexpr auto kPatience = std::chrono::seconds(40);
+#else
+  constexpr auto kPatience = std::chrono::seconds(10);
+#endif
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
   while (!condition()) {
     if (std::chrono::steady_clock::now() >= deadline) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
