@@ -12,6 +12,12 @@ constexpr int kDoom = 50'000;
 
 bool HasAction(ActionSet set, Action action) { return Has(set, static_cast<std::size_t>(action)); }
 
+// 64 log2(number), linear between powers of two.
+int Logarithm(unsigned number) {
+  const int power = std::bit_width(number) - 1;
+  return 64 * power + static_cast<int>(((number - (1U << power)) << 6) >> power);
+}
+
 CellsByStep Union(CellsByStep a, const CellsByStep& b) {
   for (std::size_t step = 0; step < a.size(); ++step) a[step] |= b[step];
   return a;
@@ -183,7 +189,8 @@ int Pessimist::Survivabilities(const State& state, const BombFuture& future) con
           SurvivableCells(future, state.agents[id].cell, enemy ? ours : CellsByStep{}));
     }
     if (enemy) {
-      value += settings_.enemy_weight / (pairs + 4) + (pairs == 0 ? settings_.kill : 0) +
+      value += settings_.enemy_weight / (pairs + 4) + (pairs == 0 ? settings_.kill : 0) -
+               settings_.siege * Logarithm(static_cast<unsigned>(pairs + 4)) / 64 +
                (state.agents[id].alive ? 0 : settings_.kill);
     } else {
       value -= settings_.mate_weight / (pairs + 1) + (pairs == 0 ? kDoom / 5 : 0);
@@ -197,7 +204,7 @@ int Pessimist::Tactics(const State& state, const BombFuture& future) const {
   int bombs_out = 0;
   for (const Bomb& bomb : state.Bombs()) bombs_out += bomb.owner() == self_ ? 1 : 0;
   return 60 * std::min(self.ammo + bombs_out, 6) + 30 * std::min<int>(self.blast_strength, 6) +
-         (self.can_kick ? 60 : 0) - 4 * bombs_out -
+         (self.can_kick ? 60 : 0) - static_cast<int>(settings_.bomb * bombs_out) -
          static_cast<int>(settings_.wood * future.wood.Count()) +
          static_cast<int>(settings_.chase * attraction_.At(self.cell));
 }

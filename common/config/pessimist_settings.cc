@@ -17,6 +17,8 @@ OptionTable<PessimistSettings> PessimistOptions() {
       OptionOf<&Settings::enemy_weight>("enemy", Between(0, 1e6), ""),
       OptionOf<&Settings::mate_weight>("mate", Between(0, 1e6), ""),
       OptionOf<&Settings::kill>("kill", Between(0, 1e6), ""),
+      OptionOf<&Settings::siege>("siege", Between(0, 1e6), ""),
+      OptionOf<&Settings::bomb>("bomb", Between(-1e6, 1e6), ""),
       OptionOf<&Settings::wood>("wood", Between(0, 1e6), ""),
       OptionOf<&Settings::chase>("chase", Between(0, 1e6), ""),
   };

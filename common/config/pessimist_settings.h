@@ -18,6 +18,9 @@ struct PessimistSettings {
   double enemy_weight = 2000;
   double mate_weight = 3000;
   double kill = 500;
+  double siege = 20;
+  double bomb = 4;
+
   double wood = 12;
   double chase = 1;
 
