@@ -98,7 +98,8 @@ AgentSpec DescriptionOf(const std::string& text, const Arguments& arguments) {
       description.search.gumbel_first_halving = kFirstHalving;
     }
   }
-  if (description.HasNetwork() && description.model_file.empty()) description.model_file = arguments.model;
+  if (description.HasNetwork() && description.model_file.empty())
+    description.model_file = arguments.model;
   return description;
 }
 

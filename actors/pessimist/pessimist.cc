@@ -7,20 +7,32 @@
 namespace powderkeg {
 namespace {
 
+// Of actions that are not legal, of own death in the tree, of having no way out, and of a mate's.
+constexpr int kIllegal = std::numeric_limits<int>::min();
 constexpr int kDeath = 100'000;
 constexpr int kDoom = 50'000;
+constexpr int kMateDoom = 10'000;
+// An enemy with so many pairs is as good as caught.
+constexpr int kEnemyRoom = 4;
+// Steps for which we stand in the enemies' way wherever we can go.
+constexpr int kOwnSpread = 1;
+constexpr CellsByStep kFree{};
 
-bool HasAction(ActionSet set, Action action) { return Has(set, static_cast<std::size_t>(action)); }
+// Tactics: what one is worth, of so many at most.
+constexpr int kEnough = 6;
+constexpr int kAmmo = 60;
+constexpr int kBlast = 30;
+constexpr int kKick = 60;
+constexpr int kWood = 12;  // burnt
+// What it is worth to be at an item, beside wood, at an enemy.
+constexpr int kItemWorth = 30;
+constexpr int kWoodWorth = 16;
+constexpr int kEnemyWorth = 20;
 
 // 64 log2(number), linear between powers of two.
 int Logarithm(unsigned number) {
   const int power = std::bit_width(number) - 1;
   return 64 * power + static_cast<int>(((number - (1U << power)) << 6) >> power);
-}
-
-CellsByStep Union(CellsByStep a, const CellsByStep& b) {
-  for (std::size_t step = 0; step < a.size(); ++step) a[step] |= b[step];
-  return a;
 }
 
 }  // namespace
@@ -49,36 +61,41 @@ const BombFuture& FutureMemory::For(const GameSettings& settings, const State& s
 
 Action Pessimist::Choose(const GameSettings& game, const State& state, AgentId self,
                          BitBoard visible, Rng& rng) {
+  const std::array<int, kActionCount> values = Values(game, state, self, visible);
+  const int best = *std::ranges::max_element(values);
+  auto skipped = rng.Below(static_cast<std::uint32_t>(std::ranges::count(values, best)));
+  for (std::size_t action = 0;; ++action) {
+    if (values[action] == best && skipped-- == 0) return static_cast<Action>(action);
+  }
+}
+
+std::array<int, kActionCount> Pessimist::Values(const GameSettings& game, const State& state,
+                                                AgentId self, BitBoard visible) {
   game_ = game;
   self_ = self;
-  mate_ = TeamMateOf(game.mode, self);
   futures_.Clear();
   LookAround(state, visible);
   AttractBy(state);
   const Replies replies = RepliesTo(state, visible);
   depth_ = replies.count > 1 ? settings_.depth : settings_.depth + 1;
   const ActionSet legal = LegalActions(state, self);
-  int best = std::numeric_limits<int>::min();
-  std::array<Action, kActionCount> bests{};
-  std::uint32_t count = 0;
-  for (int number = 0; number < kActionCount; ++number) {
-    const auto action = static_cast<Action>(number);
-    if (!HasAction(legal, action)) continue;
-    const int value = ValueOf(state, replies, action);
-    if (value > best) count = 0;
-    best = std::max(best, value);
-    if (value == best) bests[count++] = action;
+  std::array<int, kActionCount> values;
+  values.fill(kIllegal);
+  for (std::size_t action = 0; action < values.size(); ++action) {
+    if (Has(legal, action)) values[action] = ValueOf(state, replies, static_cast<Action>(action));
   }
-  return bests[rng.Below(count)];
+  return values;
 }
 
 void Pessimist::LookAround(const State& state, BitBoard visible) {
   enemies_ = 0;
   in_the_way_ = 0;
+  living_mate_ = -1;
   for (AgentId id = 0; id < kAgentCount; ++id) {
     const AgentState& agent = state.agents[id];
     if (id == self_ || !agent.alive) continue;
     if (AreEnemies(game_.mode, self_, id)) enemies_ |= static_cast<std::uint8_t>(1 << id);
+    if (id == TeamMateOf(game_.mode, self_)) living_mate_ = id;
     if (visible.Has(agent.cell)) in_the_way_ |= static_cast<std::uint8_t>(1 << id);
   }
 }
@@ -89,11 +106,11 @@ void Pessimist::AttractBy(const State& state) {
   const AgentState& self = state.agents[self_];
   const BitBoard doomed = state.wood & ~future.wood;
   const BitBoard walls = state.rigid | (state.wood & ~doomed);
-  attraction_.Add(state.VisibleItems(), 30);
-  if (self.ammo > 0) attraction_.Add((state.wood & ~doomed).Neighbours() & ~walls, 16);
+  attraction_.Add(state.VisibleItems(), kItemWorth);
+  if (self.ammo > 0) attraction_.Add((state.wood & ~doomed).Neighbours() & ~walls, kWoodWorth);
   for (AgentId id = 0; id < kAgentCount; ++id) {
     if (Has(enemies_, static_cast<std::size_t>(id))) {
-      attraction_.Add(BitBoard::Of(state.agents[id].cell), 20);
+      attraction_.Add(BitBoard::Of(state.agents[id].cell), kEnemyWorth);
     }
   }
   attraction_.Spread(~(walls | state.bomb_cells) | BitBoard::Of(self.cell));
@@ -161,52 +178,60 @@ int Pessimist::LeafValue(const State& state) {
 }
 
 int Pessimist::Survivabilities(const State& state, const BombFuture& future) const {
-  CellsByStep taken{};
-  for (std::size_t id = 0; id < kAgentCount; ++id) {
-    if (!Has(in_the_way_, id) || !state.agents[id].alive) continue;
-    const bool enemy = Has(enemies_, id);
-    CellsByStep reach =
-        ReachableCells(future, state.agents[id].cell, enemy ? settings_.spread : 0);
-    for (int step = settings_.hold + 1; step <= kForesight; ++step) reach[step] = {};
-    taken = Union(taken, reach);
-  }
+  const CellsByStep theirs = CellsOfOthers(state, future);
   const Cell cell = state.agents[self_].cell;
-  const int own = CountPairs(SurvivableCells(future, cell, taken));
-  double value = 0;
-  if (own > 0) {
-    value -= settings_.own_weight / own;
-  } else {
-    value -= kDoom - CountPairs(ReachableCells(future, cell, taken));
-  }
-  CellsByStep ours = ReachableCells(future, cell, settings_.own_spread);
-  for (int step = settings_.hold + 1; step <= kForesight; ++step) ours[step] = {};
+  int value = OwnValue(CountPairs(SurvivableCells(future, cell, theirs)));
+  if (value <= -kDoom) value += CountPairs(ReachableCells(future, cell, theirs));
+  const CellsByStep ours = ReachableCells(future, cell, kOwnSpread);
   for (AgentId id = 0; id < kAgentCount; ++id) {
     const bool enemy = Has(enemies_, static_cast<std::size_t>(id));
-    if (id == self_ || !(enemy || id == mate_)) continue;
-    int pairs = 0;
-    if (state.agents[id].alive) {
-      pairs = CountPairs(
-          SurvivableCells(future, state.agents[id].cell, enemy ? ours : CellsByStep{}));
-    }
-    if (enemy) {
-      value += settings_.enemy_weight / (pairs + 4) + (pairs == 0 ? settings_.kill : 0) -
-               settings_.siege * Logarithm(static_cast<unsigned>(pairs + 4)) / 64 +
-               (state.agents[id].alive ? 0 : settings_.kill);
-    } else {
-      value -= settings_.mate_weight / (pairs + 1) + (pairs == 0 ? kDoom / 5 : 0);
+    if (!enemy && id != living_mate_) continue;
+    const AgentState& agent = state.agents[id];
+    const CellsByStep& taken = enemy ? ours : kFree;
+    const int pairs = agent.alive ? CountPairs(SurvivableCells(future, agent.cell, taken)) : 0;
+    value += enemy ? EnemyValue(pairs, agent.alive) : MateValue(pairs);
+    if (enemy && agent.alive && pairs == 0) {  // the sooner the better
+      value -= CountPairs(ReachableCells(future, agent.cell, taken));
     }
   }
-  return static_cast<int>(value);
+  return value;
+}
+
+CellsByStep Pessimist::CellsOfOthers(const State& state, const BombFuture& future) const {
+  CellsByStep cells{};
+  for (std::size_t id = 0; id < kAgentCount; ++id) {
+    if (!Has(in_the_way_, id) || !state.agents[id].alive) continue;
+    const int spread = Has(enemies_, id) ? settings_.spread : 0;
+    const CellsByStep reached = ReachableCells(future, state.agents[id].cell, spread);
+    for (std::size_t step = 0; step < cells.size(); ++step) cells[step] |= reached[step];
+  }
+  return cells;
+}
+
+int Pessimist::OwnValue(int pairs) const { return pairs == 0 ? -kDoom : -settings_.own / pairs; }
+
+int Pessimist::MateValue(int pairs) const {
+  return pairs == 0 ? -kMateDoom : -settings_.mate / pairs;
+}
+
+int Pessimist::EnemyValue(int pairs, bool alive) const {
+  const auto room = static_cast<unsigned>(pairs + kEnemyRoom);
+  const int doom = pairs > 0 ? 0 : (alive ? settings_.kill : 2 * settings_.kill);
+  return doom + settings_.enemy / (pairs + kEnemyRoom) - settings_.siege * Logarithm(room) / 64;
 }
 
 int Pessimist::Tactics(const State& state, const BombFuture& future) const {
   const AgentState& self = state.agents[self_];
   int bombs_out = 0;
-  for (const Bomb& bomb : state.Bombs()) bombs_out += bomb.owner() == self_ ? 1 : 0;
-  return 60 * std::min(self.ammo + bombs_out, 6) + 30 * std::min<int>(self.blast_strength, 6) +
-         (self.can_kick ? 60 : 0) - static_cast<int>(settings_.bomb * bombs_out) -
-         static_cast<int>(settings_.wood * future.wood.Count()) +
-         static_cast<int>(settings_.chase * attraction_.At(self.cell));
+  int bomb_life = 0;
+  for (const Bomb& bomb : state.Bombs()) {
+    if (bomb.owner() != self_) continue;
+    ++bombs_out;
+    bomb_life += bomb.life;
+  }
+  return kAmmo * std::min(self.ammo + bombs_out, kEnough) +
+         kBlast * std::min<int>(self.blast_strength, kEnough) + (self.can_kick ? kKick : 0) -
+         bomb_life / 2 - kWood * future.wood.Count() + attraction_.At(self.cell);
 }
 
 }  // namespace powderkeg

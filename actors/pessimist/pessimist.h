@@ -51,6 +51,10 @@ class Pessimist {
   [[nodiscard]] Action Choose(const GameSettings& game, const State& state, AgentId self,
                               BitBoard visible, Rng& rng);
 
+  // What it thinks of every action, the same under all symmetries of the board.
+  [[nodiscard]] std::array<int, kActionCount> Values(const GameSettings& game, const State& state,
+                                                     AgentId self, BitBoard visible);
+
  private:
   // What everybody else does in the first step.
   struct Replies {
@@ -65,13 +69,17 @@ class Pessimist {
   [[nodiscard]] int Best(const State& state, int depth);
   [[nodiscard]] int LeafValue(const State& state);
   [[nodiscard]] int Survivabilities(const State& state, const BombFuture& future) const;
+  [[nodiscard]] CellsByStep CellsOfOthers(const State& state, const BombFuture& future) const;
+  [[nodiscard]] int OwnValue(int pairs) const;
+  [[nodiscard]] int MateValue(int pairs) const;
+  [[nodiscard]] int EnemyValue(int pairs, bool alive) const;
   [[nodiscard]] int Tactics(const State& state, const BombFuture& future) const;
 
   PessimistSettings settings_;
   GameSettings game_;
   AgentId self_ = 0;
-  AgentId mate_ = -1;
-  std::uint8_t enemies_ = 0;  // bit i: agent i lives and is an enemy
+  AgentId living_mate_ = -1;     // none: -1
+  std::uint8_t enemies_ = 0;     // bit i: agent i lives and is an enemy
   std::uint8_t in_the_way_ = 0;  // bit i: agent i is in view, too
   int depth_ = 0;
   Attraction attraction_;

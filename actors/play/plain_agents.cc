@@ -52,8 +52,8 @@ void PessimistAgent::StartGame(const GameSettings& settings, AgentId /*self*/, R
 
 void PessimistAgent::Begin(const Observation& observation) {
   belief_->Observe(observation);
-  action_ = pessimist_.Choose(settings_, belief_->state(), belief_->self(), belief_->visible(),
-                              rng_);
+  action_ =
+      pessimist_.Choose(settings_, belief_->state(), belief_->self(), belief_->visible(), rng_);
 }
 
 }  // namespace powderkeg

@@ -6,21 +6,23 @@ namespace powderkeg {
 
 OptionTable<PessimistSettings> PessimistOptions() {
   using Settings = PessimistSettings;
+  constexpr Allowed kWeight = Between(0, 20'000);
   static const std::vector<Option<Settings>> table = {
-      OptionOf<&Settings::depth>("depth", Between(1, 4), "own moves that are tried one by one"),
-      OptionOf<&Settings::near>("near", Between(0, 20), "enemies in that distance: moves tried"),
-      OptionOf<&Settings::spread>("spread", Between(0, 12), ""),
-      OptionOf<&Settings::hold>("hold", Between(0, 12), ""),
-      OptionOf<&Settings::own_spread>("own_spread", Between(0, 12), ""),
-      OptionOf<&Settings::fear>("fear", Between(0, 1), ""),
-      OptionOf<&Settings::own_weight>("own", Between(0, 1e6), ""),
-      OptionOf<&Settings::enemy_weight>("enemy", Between(0, 1e6), ""),
-      OptionOf<&Settings::mate_weight>("mate", Between(0, 1e6), ""),
-      OptionOf<&Settings::kill>("kill", Between(0, 1e6), ""),
-      OptionOf<&Settings::siege>("siege", Between(0, 1e6), ""),
-      OptionOf<&Settings::bomb>("bomb", Between(-1e6, 1e6), ""),
-      OptionOf<&Settings::wood>("wood", Between(0, 1e6), ""),
-      OptionOf<&Settings::chase>("chase", Between(0, 1e6), ""),
+      OptionOf<&Settings::depth>("depth", Between(1, 4),
+                                 "own moves that are tried; one more where no enemy is near"),
+      OptionOf<&Settings::near>("near", Between(0, 20),
+                                "the first moves of enemies within that distance are tried, of two "
+                                "at most"),
+      OptionOf<&Settings::spread>("spread", Between(0, 12),
+                                  "steps for which enemies go everywhere at once"),
+      OptionOf<&Settings::fear>("fear", Between(0, 1),
+                                "share of the worst reply in an action's value; the rest is the "
+                                "mean"),
+      OptionOf<&Settings::own>("own", kWeight, "what it is worth to have room to live"),
+      OptionOf<&Settings::mate>("mate", kWeight, "that the mate has room"),
+      OptionOf<&Settings::enemy>("enemy", kWeight, "that an enemy has hardly any room"),
+      OptionOf<&Settings::siege>("siege", kWeight, "that an enemy has half the room"),
+      OptionOf<&Settings::kill>("kill", kWeight, "that an enemy has none"),
   };
   return table;
 }

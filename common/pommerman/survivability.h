@@ -26,8 +26,8 @@ struct BombFuture {
 [[nodiscard]] BombFuture ForeseeBombs(const GameSettings& settings, const State& state);
 
 // The cells in which an agent that is on `cell` now can be after each step, alive. It walks or
-// waits; it lays and kicks nothing. In step t it enters no cell of taken[t], where somebody else may
-// be by then; who stands in one already stays.
+// waits; it lays and kicks nothing. In step t it enters no cell of taken[t], where somebody else
+// may be by then; who stands in one already stays.
 [[nodiscard]] CellsByStep ReachableCells(const BombFuture& future, Cell cell,
                                          const CellsByStep& taken);
 // The same for its first `steps` steps; from then on it stays within reach.
