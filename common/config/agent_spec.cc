@@ -112,7 +112,9 @@ std::string KnownAgents() {
 
 std::string AgentOptionsHelp() {
   return StrCat("Options of a search, as in search:simulations=64,root=gumbel\n\n",
-                DescribeOptions(SearchOptions(), ""));
+                DescribeOptions(SearchOptions(), ""),
+                "\nOptions of a pessimist, as in pessimist:depth=3\n\n",
+                DescribeOptions(PessimistOptions(), ""));
 }
 
 }  // namespace powderkeg

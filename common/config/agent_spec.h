@@ -51,7 +51,7 @@ struct AgentSpec {
 
 // What ParseAgent reads, separated by ", ": for error messages and --help.
 [[nodiscard]] std::string KnownAgents();
-// Every option of a search with default, meaning and range, for --help-options.
+// Every option of a search and of a pessimist with default, meaning and range, for --help-options.
 [[nodiscard]] std::string AgentOptionsHelp();
 
 }  // namespace powderkeg
