@@ -147,8 +147,8 @@ OptionTable<PlayerSpec> PlayerOptions() {
   static const std::vector<Option<PlayerSpec>> table = {
       OptionOf<&PlayerSpec::name>("name", kAnything, "unique, for line-ups and results"),
       OptionOf<&PlayerSpec::agent>("agent", kAnything,
-                                   "a policy, raw, or search[:OPTION=VALUE,...], whose options "
-                                   "change those of self_play.search"),
+                                   "a policy, pessimist, raw, or search[:OPTION=VALUE,...], whose "
+                                   "options change those of self_play.search"),
       {.name = "weights",
        .allowed = kAnything,
        .help = "of its network: the run's newest (default), a past version drawn for every game, "
@@ -169,8 +169,9 @@ OptionTable<LineupSpec> LineupOptions() {
                                    "of the games, relative to the other line-ups' shares"),
       OptionOf<&LineupSpec::exam>("exam", kAnything,
                                   "its games are never learned from: the yardstick"),
-      OptionOf<&LineupSpec::seats>("seats", kAnything,
-                                   "players or policies around the board, turned by every game"),
+      OptionOf<&LineupSpec::seats>(
+          "seats", kAnything,
+          "players, policies or pessimist around the board, turned by every game"),
   };
   return table;
 }

@@ -42,7 +42,7 @@ struct PlayerSpec {
 struct LineupSpec {
   double share = 1;   // of the tickets, relative to the other line-ups'
   bool exam = false;  // teaches nothing: the yardstick
-  Words seats{};      // names of players or of rule-based policies
+  Words seats{};      // names of players, of policies or pessimist
 
   friend bool operator==(const LineupSpec&, const LineupSpec&) = default;
 };
@@ -72,7 +72,7 @@ struct Lineup {
 };
 
 struct Players {
-  std::vector<Player> players;  // those of the settings in their order, then policies
+  std::vector<Player> players;  // those of the settings in their order, then scripts
   std::vector<Lineup> lineups;
 
   friend bool operator==(const Players&, const Players&) = default;
