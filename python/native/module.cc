@@ -12,4 +12,6 @@ PYBIND11_MODULE(_native, module) {
     }
   });
   powderkeg::BindGames(module);
+  powderkeg::BindSamples(module);
+  powderkeg::BindWeights(module);
 }

@@ -5,23 +5,15 @@ beside this package, or in the folder that the environment variable ``POWDERKEG_
 docs/python.md shows everything by example.
 """
 
-import importlib
-import os
-import pathlib
-
-_MODULE_FOLDER = os.environ.get(
-    "POWDERKEG_MODULE", str(pathlib.Path(__file__).resolve().parents[2] / "build/release/python"))
-__path__.append(_MODULE_FOLDER)
-
-try:
-    importlib.import_module(f"{__name__}._native")
-except ModuleNotFoundError as error:
-    raise ImportError(f"powderkeg: no module for this Python in {_MODULE_FOLDER}, expected one "
-                      "built by: deploy/build release python") from error
-
+from ._module import FOLDER as MODULE_FOLDER  # the first, as all others need the module
+from .data import Batch, batches
 from .environments import Env, ParallelEnv
 from .games import ENVIRONMENT_IDS, POLICIES, Games, Rules, Step, rules
+from .weights import (Canary, Weights, load_safetensors, load_weights, save_safetensors,
+                      save_weights)
 
 __all__ = [
-    "ENVIRONMENT_IDS", "POLICIES", "Env", "Games", "ParallelEnv", "Rules", "Step", "rules",
+    "ENVIRONMENT_IDS", "MODULE_FOLDER", "POLICIES", "Batch", "Canary", "Env", "Games",
+    "ParallelEnv", "Rules", "Step", "Weights", "batches", "load_safetensors", "load_weights",
+    "rules", "save_safetensors", "save_weights",
 ]

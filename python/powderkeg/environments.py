@@ -97,7 +97,7 @@ class _Game:
         seen = self.seen(agent)
         for key in ("alive", "can_kick"):
             seen[key] = seen[key].astype(np.uint8)
-        return {key: np.atleast_1d(seen[key]) for key in self.observation_space().spaces}
+        return {key: np.atleast_1d(value) for key, value in seen.items()}
 
     def seen(self, agent: int) -> dict[str, Any]:
         """The official fields that are arrays and numbers, in boards of the game's size."""
@@ -344,4 +344,3 @@ def _row_of(name: str, action: Any, space: spaces.Space) -> Any:
             and all(0 <= value < limit for value, limit in zip(row, limits))):
         return row
     raise ValueError(f"action of {name} is {_checks.shown(action)}, expected one of {space}")
-

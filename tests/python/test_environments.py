@@ -5,6 +5,7 @@ import unittest
 import numpy as np
 
 import powderkeg
+from support import PowderkegTest
 
 try:
     import gymnasium
@@ -206,12 +207,7 @@ class SingleAgentTest(unittest.TestCase):
         self.assertEqual((env.render().shape, env.render().dtype), ((264, 264, 3), np.uint8))
 
 
-class BadInputTest(unittest.TestCase):
-    def refuses(self, pattern, call, *arguments, **options):
-        with self.assertRaisesRegex(ValueError, pattern) as caught:
-            call(*arguments, **options)
-        self.assertNotIn("\n", str(caught.exception))
-
+class BadInputTest(PowderkegTest):
     def test_settings(self):
         self.refuses("environment is 'Pomme', expected one of PommeFFA", powderkeg.ParallelEnv,
                      "Pomme")
@@ -280,7 +276,3 @@ class GymnasiumTest(unittest.TestCase):
             for observation in ("planes", "arrays"):
                 env = powderkeg.Env(environment, observation=observation, render_mode="rgb_array")
                 check_env(env, skip_render_check=True)
-
-
-if __name__ == "__main__":
-    unittest.main()

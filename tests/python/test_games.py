@@ -7,6 +7,7 @@ import numpy as np
 
 import powderkeg
 from powderkeg import _native
+from support import PowderkegTest
 
 
 class GamesTest(unittest.TestCase):
@@ -131,12 +132,7 @@ class GamesTest(unittest.TestCase):
         self.assertTrue(games.alive().all())
 
 
-class BadInputTest(unittest.TestCase):
-    def refuses(self, pattern, call, *arguments, **options):
-        with self.assertRaisesRegex(ValueError, pattern) as caught:
-            call(*arguments, **options)
-        self.assertNotIn("\n", str(caught.exception))
-
+class BadInputTest(PowderkegTest):
     def test_settings(self):
         self.refuses("games is 0, expected 1 to 1000000", powderkeg.Games, games=0)
         self.refuses("games is 1.5, expected an integer", powderkeg.Games, games=1.5)
@@ -188,7 +184,3 @@ class BadInputTest(unittest.TestCase):
             games.step(None, None)
         self.refuses("policies has 0 entries", _native.Games, "OneVsOne-v0", 2, 1, [], True, True)
         self.refuses("policy is 'x'", _native.Games, "OneVsOne-v0", 2, 1, ["x"] * 4, True, True)
-
-
-if __name__ == "__main__":
-    unittest.main()
