@@ -231,7 +231,8 @@ void BindWeights(py::module_& module) {
       .def("answered", &Answered, arg("policy"), arg("value"), arg("others") = py::none())
       .def("__eq__", [](const Canary& a, const Canary& b) { return a == b; })
       .def("to_bytes", &ToBytes)
-      .def_static("from_bytes", &FromBytes, arg("data"));
+      .def_static("from_bytes", &FromBytes, arg("data"))
+      .def(py::pickle(&ToBytes, &FromBytes));
   module.def("load_weights", &Load, arg("name"));
   module.def(
       "check_description",

@@ -1,7 +1,9 @@
 """Weights in and out, and the network as a PyTorch module."""
 
+import copy
 import dataclasses
 import json
+import pickle
 import unittest
 
 import numpy as np
@@ -72,6 +74,10 @@ class WeightsTest(PowderkegTest):
             array = np.frombuffer(values[entry["data_offsets"][0]:end], "<f4")
             self.assertTrue(np.array_equal(array, self.weights.arrays[name].ravel()))
         self.assertEqual(end, len(values))
+
+    def test_copies(self):
+        self.assert_same(copy.deepcopy(self.weights), self.weights)
+        self.assert_same(pickle.loads(pickle.dumps(self.weights)), self.weights)
 
     def test_weights_without_a_file(self):
         weights = powderkeg.load_weights("untrained:small")
