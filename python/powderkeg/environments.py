@@ -28,7 +28,6 @@ OBSERVATIONS = ("planes", "arrays")
 WORDS = 8
 _RADIO = 3
 _TEAM_MODES = (2, _RADIO)
-_ONE_AGAINST_ONE = 4
 _BOARDS = ("board", "bomb_blast_strength", "bomb_life", "bomb_moving_direction", "flame_life")
 _PIXELS = 24  # a cell's side
 _COLORS = {
