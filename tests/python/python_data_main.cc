@@ -19,15 +19,17 @@ namespace {
 constexpr int kCanaryPositions = 6;
 constexpr int kGames = 20;
 
-// Initial weights with random batch norm, and what they answer.
+// Initial weights with random batch norm, and what they answer, a dead viewer among them.
 void WriteWeights(const std::string& network, std::uint32_t version, const std::string& path) {
   const Snapshot random = RandomWeights(NetworkByName(network), /*seed=*/version);
   ReferenceEvaluator evaluator(random);
   std::vector<AgentId> viewers;
   for (int i = 0; i < kCanaryPositions; ++i) viewers.push_back(i % kAgentCount);
+  std::vector<State> states = PlayedStates(kCanaryPositions, /*seed=*/1);
+  states.back().agents[viewers.back()].alive = false;
   WeightsSnapshot snapshot = *random;
   snapshot.version = version;
-  snapshot.canary = MakeCanary(PlayedStates(kCanaryPositions, /*seed=*/1), viewers, evaluator);
+  snapshot.canary = MakeCanary(states, viewers, evaluator);
   SaveSnapshot(snapshot, path);
 }
 
