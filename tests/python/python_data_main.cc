@@ -1,8 +1,10 @@
 // Writes what the tests of the Python package read: python_data FOLDER makes run/replay/ with two
 // segments, and small.weights and paper.weights with canaries, into it.
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,16 +21,19 @@ namespace {
 constexpr int kCanaryPositions = 6;
 constexpr int kGames = 20;
 
-// Initial weights with random batch norm, and what they answer, a dead viewer among them.
+// Initial weights with random batch norm and heads that answer to nothing too, and what they
+// answer, a dead viewer among them.
 void WriteWeights(const std::string& network, std::uint32_t version, const std::string& path) {
-  const Snapshot random = RandomWeights(NetworkByName(network), /*seed=*/version);
-  ReferenceEvaluator evaluator(random);
+  WeightsSnapshot snapshot = *RandomWeights(NetworkByName(network), /*seed=*/version);
+  snapshot.version = version;
+  for (NamedArray& array : snapshot.arrays) {
+    if (array.name == "own.fc.bias") std::ranges::fill(array.values, 0.5F);
+  }
   std::vector<AgentId> viewers;
   for (int i = 0; i < kCanaryPositions; ++i) viewers.push_back(i % kAgentCount);
   std::vector<State> states = PlayedStates(kCanaryPositions, /*seed=*/1);
   states.back().agents[viewers.back()].alive = false;
-  WeightsSnapshot snapshot = *random;
-  snapshot.version = version;
+  ReferenceEvaluator evaluator(std::make_shared<const WeightsSnapshot>(snapshot));
   snapshot.canary = MakeCanary(states, viewers, evaluator);
   SaveSnapshot(snapshot, path);
 }
