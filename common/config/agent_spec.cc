@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/nearest_name.h"
 
 namespace powderkeg {
 namespace {
@@ -43,7 +44,7 @@ void ReadRawNetwork(std::vector<TextField> options, AgentSpec& agent) {
   agent.model_file = TakeModel(options);
   if (!options.empty()) {
     throw Error(StrCat("agent raw: unknown option ", Quoted(options.front().name),
-                       ": expected raw:model=FILE"));
+                       ": expected raw:model=MODEL"));
   }
 }
 
@@ -69,7 +70,10 @@ AgentSpec Parse(std::string_view text, const SearchSettings& base) {
   } else if (policy) {
     throw Error(StrCat("agent ", name, ": options ", Quoted(options), ": it has none"));
   } else {
-    throw Error(StrCat("unknown agent ", Quoted(name), ": known: ", KnownAgents()));
+    std::vector<std::string_view> known = {"raw", "search"};
+    known.insert(known.end(), kPolicyNames.begin(), kPolicyNames.end());
+    throw Error(StrCat("unknown agent ", Quoted(name), ": known: ", KnownAgents(),
+                       DidYouMean(name, known)));
   }
   return agent;
 }
@@ -79,7 +83,7 @@ AgentSpec Parse(std::string_view text, const SearchSettings& base) {
 AgentSpec ParseAgent(std::string_view text) {
   AgentSpec agent = Parse(text, {});
   if (agent.kind == AgentSpec::Kind::kRawNetwork && agent.model_file.empty()) {
-    throw Error("agent raw: no model: expected raw:model=FILE");
+    throw Error("agent raw: no model: expected raw:model=MODEL");
   }
   return agent;
 }
@@ -95,8 +99,7 @@ AgentSpec ParsePlayersAgent(std::string_view text, const SearchSettings& base) {
 }
 
 std::string KnownAgents() {
-  return "idle, random, harmless, simple_unbiased, official_simple, raw:model=FILE, "
-         "search[:OPTION=VALUE,...][,model=FILE]";
+  return Joined(kPolicyNames, ", ") + ", raw:model=MODEL, search[:OPTION=VALUE,...][,model=MODEL]";
 }
 
 std::string AgentOptionsHelp() {

@@ -18,6 +18,10 @@ inline constexpr std::array<std::string_view, 4> kEvaluatorNames = {"auto", "uni
 inline constexpr std::array<std::string_view, 5> kPrecisionNames = {"auto", "fp32", "bf16", "fp16",
                                                                     "int8"};
 
+// What they call the rule-based policies.
+inline constexpr std::array<std::string_view, 5> kPolicyNames = {
+    "idle", "random", "harmless", "simple_unbiased", "official_simple"};
+
 // An agent and, where its text says so, its model.
 struct AgentSpec {
   enum class Kind : std::uint8_t { kRuleBased, kRawNetwork, kSearch };
@@ -25,18 +29,19 @@ struct AgentSpec {
   Kind kind = Kind::kRuleBased;
   PolicyKind policy = PolicyKind::kIdle;  // of kRuleBased
   SearchSettings search;                  // of kSearch
-  std::string model_file;                 // empty: the uniform evaluator, or named elsewhere
+  std::string model_file;  // as named; empty: the uniform evaluator, or named elsewhere
 
   friend bool operator==(const AgentSpec&, const AgentSpec&) = default;
 };
 
 // Reads
 //   idle, random, harmless, simple_unbiased, official_simple   a rule-based policy
-//   raw:model=FILE                                             the network's best move
-//   search[:OPTION=VALUE,...][,model=FILE]                     a search (search_options.inc)
-// FILE is a weights file or untrained:NETWORK. Throws Error with what is wrong and what is known.
+//   raw:model=MODEL                                            the network's best move
+//   search[:OPTION=VALUE,...][,model=MODEL]                    a search (search_options.inc)
+// MODEL is a weights file or a name (common/model/model_name.h). Throws Error with what is wrong
+// and what is known.
 [[nodiscard]] AgentSpec ParseAgent(std::string_view text);
-// The same without model=FILE, for players, whose weights are named beside the agent; a search's
+// The same without model=MODEL, for players, whose weights are named beside the agent; a search's
 // options change `base`.
 [[nodiscard]] AgentSpec ParsePlayersAgent(std::string_view text, const SearchSettings& base);
 
