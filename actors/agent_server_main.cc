@@ -21,7 +21,7 @@
 #include "common/config/agent_spec.h"
 #include "common/http/http_server.h"
 #include "common/model/evaluation_cache.h"
-#include "common/model/weights_snapshot.h"
+#include "common/model/model_name.h"
 
 namespace powderkeg {
 namespace {
@@ -53,10 +53,9 @@ struct Arguments {
 void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--agent", arguments.agents, "one for all ports or one for each: " + KnownAgents())
       ->required();
-  app.add_option("--port", arguments.ports, "one or more (10080)")->check(CLI::Range(1, 65535));
-  app.add_option("--host", arguments.host, "address to listen on (127.0.0.1); 0.0.0.0: all");
-  app.add_option("--model", arguments.model,
-                 "weights file of agents that name none, or untrained:NETWORK");
+  app.add_option("--port", arguments.ports, "one or more")->check(CLI::Range(1, 65535));
+  app.add_option("--host", arguments.host, "address to listen on; 0.0.0.0: all");
+  app.add_option("--model", arguments.model, StrCat("of agents that name none: ", kModelHelp));
   auto* simulations = app.add_option("--simulations", arguments.simulations, "of a search per move")
                           ->check(CLI::Range(1, 1'000'000));
   app.add_option("--move-time-ms", arguments.move_time_ms,
@@ -88,7 +87,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
 
 // The agent's own words, changed by what holds for all.
 AgentSpec DescriptionOf(const std::string& text, const Arguments& arguments) {
-  AgentSpec description = AgentFor(text);
+  AgentSpec description = AgentFor(text, arguments.model);
   if (arguments.simulations > 0) description.search.simulations = arguments.simulations;
   if (arguments.move_time_ms > 0) {
     description.search.simulations = kEnoughSimulations;
@@ -98,8 +97,6 @@ AgentSpec DescriptionOf(const std::string& text, const Arguments& arguments) {
       description.search.gumbel_first_halving = kFirstHalving;
     }
   }
-  const bool thinks = description.kind != AgentSpec::Kind::kRuleBased;
-  if (thinks && description.model_file.empty()) description.model_file = arguments.model;
   return description;
 }
 

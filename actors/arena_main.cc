@@ -20,7 +20,7 @@
 #include "common/base/check.h"
 #include "common/base/run_main.h"
 #include "common/config/agent_spec.h"
-#include "common/model/weights_snapshot.h"
+#include "common/model/model_name.h"
 
 namespace powderkeg {
 namespace {
@@ -29,12 +29,13 @@ constexpr int kMostGames = 1'000'000;
 
 constexpr const char* kExamples = R"(Examples:
   arena --agent search                            # the default search against three SimpleUnbiased
-  arena --agent search:simulations=64,model=runs/quick/weights/version-000025.weights --games 1000
-  arena --agent "search:model=FILE,tree=two_player,simulations=1000,opponents=simple_unbiased"
+  arena --agent search:model=ffa --games 20       # a trained one (models/ffa.md)
+  arena --agent search:model=latest,simulations=64 --games 1000      # the newest of your own
+  arena --agent search:model=ffa,tree=two_player,simulations=1000,opponents=simple_unbiased
   arena --agent raw:model=OLD --agent raw:model=NEW --sprt score_difference=0..0.05 --games 5000
   arena --agent search --sprt win_rate=0.5..0.6   # stops when it is clear which of the two it is
-  arena --agent raw:model=untrained:small          # fresh weights
-  arena --agent search --opponents simple_unbiased search:model=FILE idle
+  arena --agent raw:model=untrained:small:7       # fresh weights of seed 7
+  arena --agent search --opponents simple_unbiased search:model=ffa idle
   arena --agent search --mate simple_unbiased --environment PommeTeamCompetition-v0
   arena --agent search:simulations=50 --agent search:simulations=200 --table strength.csv
   deploy/plot-arena strength.csv                  # win rate over simulations, actions, heat maps
@@ -73,7 +74,7 @@ void AddPlayers(CLI::App& app, Arguments& arguments) {
   app.add_option("--agent", arguments.agents,
                  "agent to measure; several are measured on the same boards and compared with the "
                  "first. " +
-                     KnownAgents())
+                     KnownAgents() + ". MODEL is " + kModelHelp)
       ->required()
       ->expected(1)
       ->take_all();

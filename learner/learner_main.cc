@@ -11,6 +11,7 @@
 #include "common/base/log.h"
 #include "common/config/config.h"
 #include "learner/report/dashboard.h"
+#include "common/model/model_name.h"
 #include "learner/run/learner.h"
 #include "learner/run/run_folder.h"
 
@@ -43,8 +44,8 @@ void AddOptions(CLI::App& app, Options& options) {
       },
       "every setting with its default, meaning and range");
   app.add_option("--initial-weights", options.learner.first_weights,
-                 "what a new run starts from: a .weights file, or a .checkpoint file with its\n"
-                 "optimizer; a run that has begun keeps its own");
+                 "what a new run starts from: a .checkpoint file with its optimizer, or\n" +
+                     std::string(kModelHelp) + "; a run that has begun keeps its own");
   app.add_option("--demonstrations", options.learner.demonstrations,
                  "recorded games of the official environment, plain or gzip, as replay --export\n"
                  "writes them: a new run's first iteration learns what everybody did in all of\n"

@@ -92,12 +92,13 @@ NetworkDescription TinyNetwork() {
 TEST_F(ArenaProgram, RefusesUnknownAgentsAndOptions) {
   ExpectRefused("--agent nobody", "unknown agent nobody: known: idle, random");
   ExpectRefused("--agent random:x=1", "agent random: options \"x=1\": it has none");
-  ExpectRefused("--agent search:depth=3", "there is no setting search:depth; did you mean");
+  ExpectRefused("--agent search:depth=3",
+                "there is no setting search:depth; --help-options lists all");
   ExpectRefused("--agent search:depth", "expected OPTION=VALUE");
   ExpectRefused("--agent search:tree=three_player",
                 "search:tree is three_player; expected one of one_player");
   ExpectRefused("--agent random --opponents idle nobody", "unknown agent nobody");
-  ExpectRefused("--agent raw", "no model: expected raw:model=FILE");
+  ExpectRefused("--agent raw", "no model: expected raw:model=MODEL");
   ExpectRefused("", "--agent is required");
   ExpectRefused("--agent random --depth 3", "--depth");
 }
@@ -121,6 +122,15 @@ TEST_F(ArenaProgram, RefusesGamesThatDoNotExist) {
   ExpectRefused("--agent random --sprt win_rate=2..3",
                 "question \"win_rate=2..3\": expected win_rate=LOW..HIGH");
   ExpectRefused("--agent random --sprt score_difference=0..0.1", "1 agents to measure, expected 2");
+}
+
+TEST_F(ArenaProgram, KnowsModelsByNameWhereverItIsStarted) {
+  const Finished run = RunCommand("cd " + folder_.string() + " && " +
+                                  Arena("--agent raw:model=ffa --games 1 2>/dev/null"));
+  EXPECT_EQ(run.status, 0);
+  EXPECT_THAT(run.output, StartsWith("raw:model=ffa\n  1 games"));
+  ExpectRefused("--agent raw:model=fa", "there is no model \"fa\"; in ");
+  ExpectRefused("--agent raw:model=untrained:small:x", "the seed is \"x\"");
 }
 
 TEST_F(ArenaProgram, RefusesWeightsThatItCannotUse) {
