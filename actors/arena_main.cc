@@ -34,6 +34,7 @@ constexpr const char* kExamples = R"(Examples:
   arena --agent search:model=ffa,tree=two_player,simulations=1000,opponents=simple_unbiased
   arena --agent raw:model=OLD --agent raw:model=NEW --sprt score_difference=0..0.05 --games 5000
   arena --agent search --sprt win_rate=0.5..0.6   # stops when it is clear which of the two it is
+  arena --agent search:simulations=50 --models a.weights b.weights c.weights
   arena --agent raw:model=untrained:small:7       # fresh weights of seed 7
   arena --agent search --opponents simple_unbiased search:model=ffa idle
   arena --agent search --mate simple_unbiased --environment PommeTeamCompetition-v0
@@ -42,6 +43,9 @@ constexpr const char* kExamples = R"(Examples:
 
 The agents sit in every seat in turn, on the same boards for each --agent. Elo is over the average
 opponent; in a free-for-all equal agents (who win 1 in 4) are 0 apart. Intervals are 95 %.
+Depth is the mean over simulations, variation the length of the principal variation, both in steps of
+the game. ms/move includes the whole game, on one thread; of one game alone: --threads 1
+--games-in-flight 1.
 
 --sprt FIGURE=LOW..HIGH asks whether the figure is LOW or HIGH and plays until that is answered
 (Wald's test; each answer wrong in 5 % at most) or --games are played:
@@ -52,6 +56,7 @@ opponent; in a free-for-all equal agents (who win 1 in 4) are 0 apart. Intervals
 
 struct Arguments {
   std::vector<std::string> agents;
+  std::vector<std::string> models;
   std::vector<std::string> opponents = {"simple_unbiased"};
   std::string mate;  // empty: the agent itself
   std::string environment = "PommeFFACompetition-v0";
@@ -78,6 +83,9 @@ void AddPlayers(CLI::App& app, Arguments& arguments) {
       ->required()
       ->expected(1)
       ->take_all();
+  app.add_option("--models", arguments.models,
+                 "each --agent, which names no model, is measured with each of these: mean and "
+                 "standard deviation between models too");
   app.add_option("--opponents", arguments.opponents,
                  "the other agents: one for all, or one for each seat after the measured one")
       ->expected(1, 3);
@@ -156,6 +164,27 @@ ContestSettings SettingsOf(const Arguments& arguments) {
   return settings;
 }
 
+// --agent with --models: one with each.
+struct Measured {
+  std::string agent;
+  std::string settings;  // Contender::settings
+};
+
+std::vector<Measured> MeasuredAgents(const Arguments& arguments) {
+  std::vector<Measured> measured;
+  for (const std::string& agent : arguments.agents) {
+    if (arguments.models.empty()) measured.push_back({agent, ""});
+    const char separator = agent.find(':') == std::string::npos ? ':' : ',';
+    for (const std::string& model : arguments.models) {
+      if (agent.find("model=") != std::string::npos) {
+        throw Error(StrCat("--agent ", agent, " names a model beside --models; expected none"));
+      }
+      measured.push_back({StrCat(agent, separator, "model=", model), agent});
+    }
+  }
+  return measured;
+}
+
 // The agent in role 0 and, in team modes, its mate in role 2.
 MatchLineup LineupOf(const std::string& agent, const Arguments& arguments, Mode mode) {
   MatchLineup lineup;
@@ -189,10 +218,12 @@ std::string Joined(const std::vector<std::string>& parts) {
 // A progress bar for each agent on stderr.
 class Bars final : public ContestWatcher {
  public:
-  Bars(const std::vector<std::string>& agents, int games) {
+  Bars(const std::vector<MatchLineup>& lineups, int games) {
     const auto style =
         isatty(STDERR_FILENO) != 0 ? MatchProgress::Style::kTerminal : MatchProgress::Style::kPlain;
-    for (const std::string& agent : agents) bars_.emplace_back(std::cerr, style, agent, games);
+    for (const MatchLineup& lineup : lineups) {
+      bars_.emplace_back(std::cerr, style, lineup[0].text, games);
+    }
   }
 
   void Began(int agent) override { bars_[agent].Start(MatchProgress::Clock::now()); }
@@ -206,7 +237,9 @@ class Bars final : public ContestWatcher {
   std::vector<MatchProgress> bars_;
 };
 
-std::vector<Contender> ContendersOf(const Arguments& arguments, const MatchSettings& settings,
+std::vector<Contender> ContendersOf(const Arguments& arguments,
+                                    const std::vector<Measured>& measured,
+                                    const MatchSettings& settings,
                                     const std::vector<MatchLineup>& lineups,
                                     std::vector<ContestResult> results) {
   std::vector<Contender> contenders;
@@ -220,7 +253,8 @@ std::vector<Contender> ContendersOf(const Arguments& arguments, const MatchSetti
                         .test = results[i].test,
                         .summary = {},
                         .difference = {},
-                        .teams = IsTeamMode(settings.game.mode)};
+                        .teams = IsTeamMode(settings.game.mode),
+                        .settings = measured[i].settings};
     for (int role = 0; role < SeatCount(settings.game.mode); ++role) {
       contender.roles[role] = lineups[i][role].text;
     }
@@ -241,17 +275,18 @@ void WriteFile(const std::string& path, const std::string& text) {
 
 void Run(const Arguments& arguments) {
   const ContestSettings settings = SettingsOf(arguments);
+  const std::vector<Measured> measured = MeasuredAgents(arguments);
   std::vector<MatchLineup>
       lineups;  // all at once: a mistake should not surface after the first match
-  for (const std::string& agent : arguments.agents) {
-    lineups.push_back(LineupOf(agent, arguments, settings.match.game.mode));
+  for (const Measured& each : measured) {
+    lineups.push_back(LineupOf(each.agent, arguments, settings.match.game.mode));
   }
   InitialiseEvaluators();
-  Bars bars(arguments.agents, arguments.games);
+  Bars bars(lineups, arguments.games);
   std::vector<ContestResult> results =
       PlayContest(lineups, settings, LoaderOf(arguments.evaluator), bars);
   const std::vector<Contender> contenders =
-      ContendersOf(arguments, settings.match, lineups, std::move(results));
+      ContendersOf(arguments, measured, settings.match, lineups, std::move(results));
   std::cout << ReportText(contenders);
   WriteFile(arguments.json_file, ReportJson(contenders));
   WriteFile(arguments.table_file, TableCsv(contenders));

@@ -24,6 +24,7 @@ namespace powderkeg {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -218,6 +219,22 @@ TEST_F(ArenaProgram, WritesATableThatCanBeDrawn) {
     EXPECT_THAT(TextOf(name), AllOf(HasSubstr("<svg"), HasSubstr("</svg>"))) << name;
   }
   EXPECT_NE(RunCommand("deploy/plot-arena README.md 2>&1").status, 0);
+}
+
+TEST_F(ArenaProgram, MeasuresAnAgentWithEachOfSeveralModels) {
+  const Finished run = RunCommand(
+      Arena("--agent search:simulations=4 --models untrained:small:1 untrained:small:2 --games 4 "
+            "--json " +
+            PathOf("r.json") + " 2>/dev/null"));
+  EXPECT_EQ(run.status, 0);
+  EXPECT_THAT(run.output, HasSubstr("search:simulations=4,model=untrained:small:2\n"));
+  EXPECT_THAT(run.output,
+              ContainsRegex("search:simulations=4, mean .*between 2 models\n  win .*of 8 games"));
+  EXPECT_THAT(TextOf("r.json"), HasSubstr("\"settings\": \"search:simulations=4\""));
+  ExpectRefused("--agent raw:model=ffa --models untrained:small",
+                "--agent raw:model=ffa names a model beside --models; expected none");
+  ExpectRefused("--agent raw --models untrained:small nosuch", "there is no model \"nosuch\"");
+  ExpectRefused("--agent random --models ffa", "agent random: options \"model=ffa\": it has none");
 }
 
 TEST_F(ArenaProgram, PlaysWithAMateOfAnotherKind) {

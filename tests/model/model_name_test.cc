@@ -11,6 +11,7 @@
 #include <string>
 
 #include "common/base/check.h"
+#include "common/base/durable_file.h"
 
 namespace powderkeg {
 namespace {
@@ -113,6 +114,18 @@ TEST_F(ModelName, UntrainedIsMadeOfANetworkAndASeed) {
 TEST_F(ModelName, IsFoundFromTheProgram) {
   unsetenv("POWDERKEG_HOME");
   EXPECT_TRUE(fs::exists(ResolvedModel("ffa")));
+}
+
+TEST(ShippedModels, AreSmallAndWholeAndHaveCards) {
+  int models = 0;
+  for (const fs::path& file : FilesIn("models")) {
+    EXPECT_LT(fs::file_size(file), 2'000'000U) << file;
+    if (file.extension() != ".weights") continue;
+    ++models;
+    EXPECT_FALSE(LoadModel(file)->canary.states.empty()) << file;
+    EXPECT_TRUE(fs::exists(fs::path(file).replace_extension(".md"))) << file;
+  }
+  EXPECT_GT(models, 0);
 }
 
 }  // namespace
