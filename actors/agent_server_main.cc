@@ -62,7 +62,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
                  "a search answers after so long at the latest; the official runner waits 150 ms")
       ->check(CLI::Range(1, 3'600'000))
       ->excludes(simulations);
-  app.add_option("--seed", arguments.seed, "of all random choices (1)");
+  app.add_option("--seed", arguments.seed, "of all random choices");
   app.add_option("--evaluator", arguments.evaluator.evaluator,
                  "of agents with a model: " + Joined(kEvaluatorNames, ", "));
   app.add_option("--precision", arguments.evaluator.precision, Joined(kPrecisionNames, ", "));
@@ -74,12 +74,11 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       },
       "every option of a search with its default, meaning and range");
   app.add_option("--evaluator-threads", arguments.evaluator.threads,
-                 StrCat("processors that answer the questions of a search, each part of them (",
-                        arguments.evaluator.threads, "); only with onednn"))
+                 "processors that answer the questions of a search, each part of them; only with "
+                 "onednn")
       ->check(CLI::Range(1, 64));
-  app.add_option(
-         "--cache-mb", arguments.evaluator.cache_mb,
-         StrCat("memory for answers given before (", arguments.evaluator.cache_mb, "); 0: none"))
+  app.add_option("--cache-mb", arguments.evaluator.cache_mb,
+                 "memory for answers given before; 0: none")
       ->check(CLI::Range(0, 4096));
   app.add_option("--log-level", arguments.log_level,
                  "debug (also names every move cut short or over 100 ms), info, warn or error");
@@ -199,7 +198,7 @@ void Report(const Seat& seat) {
             cache->misses() / served.searches);
 }
 
-void Run(const Arguments& arguments) {
+int Run(const Arguments& arguments) {
   const std::vector<AgentSpec> agents = AgentsOf(arguments);
   const sigset_t signals = BlockEndSignals();
   AllowManyDescriptors();
@@ -213,6 +212,7 @@ void Run(const Arguments& arguments) {
   int signal = 0;
   sigwait(&signals, &signal);
   for (const Seat& seat : seats) Report(seat);
+  return kDone;
 }
 
 }  // namespace
@@ -222,6 +222,5 @@ int main(int argc, char** argv) {
   CLI::App app("Serves agents to the official Pommerman runner over HTTP.", "agent_server");
   powderkeg::Arguments arguments;
   powderkeg::AddOptions(app, arguments);
-  CLI11_PARSE(app, argc, argv);
-  return powderkeg::RunMain("agent_server", [&] { powderkeg::Run(arguments); });
+  return powderkeg::RunMain(app, argc, argv, [&] { return powderkeg::Run(arguments); });
 }

@@ -133,13 +133,7 @@ void Describe(CLI::App& app, Arguments& arguments) {
   AddPlayers(app, arguments);
   AddGames(app, arguments);
   AddOutputs(app, arguments);
-  for (CLI::Option* option : app.get_options()) {
-    if (option != app.get_help_ptr()) option->capture_default_str();
-  }
   app.footer(kExamples);
-  app.failure_message([](const CLI::App*, const CLI::Error& error) {
-    return StrCat("arena: ", error.what(), "; see --help\n");
-  });
 }
 
 ContestSettings SettingsOf(const Arguments& arguments) {
@@ -273,7 +267,7 @@ void WriteFile(const std::string& path, const std::string& text) {
   if (!file) throw Error(StrCat("cannot write \"", path, "\""));
 }
 
-void Run(const Arguments& arguments) {
+int Run(const Arguments& arguments) {
   const ContestSettings settings = SettingsOf(arguments);
   const std::vector<Measured> measured = MeasuredAgents(arguments);
   std::vector<MatchLineup>
@@ -291,6 +285,7 @@ void Run(const Arguments& arguments) {
   WriteFile(arguments.json_file, ReportJson(contenders));
   WriteFile(arguments.table_file, TableCsv(contenders));
   WriteFile(arguments.csv_file, GamesCsv(contenders));
+  return kDone;
 }
 
 }  // namespace
@@ -300,6 +295,5 @@ int main(int argc, char** argv) {
   CLI::App app("Measures agents: win, tie and loss rates with 95 % intervals.", "arena");
   powderkeg::Arguments arguments;
   powderkeg::Describe(app, arguments);
-  CLI11_PARSE(app, argc, argv);
-  return powderkeg::RunMain("arena", [&] { powderkeg::Run(arguments); });
+  return powderkeg::RunMain(app, argc, argv, [&] { return powderkeg::Run(arguments); });
 }
