@@ -104,8 +104,7 @@ void CheckOptions(const std::vector<AgentSpec>& agents, const Arguments& argumen
   using Kind = AgentSpec::Kind;
   const bool searches = std::ranges::any_of(
       agents, [](const AgentSpec& agent) { return agent.kind == Kind::kSearch; });
-  const bool thinks = std::ranges::any_of(
-      agents, [](const AgentSpec& agent) { return agent.kind != Kind::kRuleBased; });
+  const bool thinks = std::ranges::any_of(agents, &AgentSpec::HasNetwork);
   if (!searches && (arguments.simulations > 0 || arguments.move_time_ms > 0)) {
     throw Error("--simulations and --move-time-ms: expected an agent that searches");
   }

@@ -86,9 +86,8 @@ std::unique_ptr<Evaluator> MakeOne(const std::string& name, const EvaluatorChoic
 }  // namespace
 
 AgentSpec AgentFor(const std::string& text, const std::string& default_model) {
-  using Kind = AgentSpec::Kind;
   AgentSpec agent = ParseAgent(text);
-  if (agent.kind != Kind::kRawNetwork && agent.kind != Kind::kSearch) return agent;
+  if (!agent.HasNetwork()) return agent;
   const std::string named = agent.model_file.empty() ? default_model : agent.model_file;
   if (!named.empty()) agent.model_file = ResolvedModel(named);
   constexpr std::string_view kModel = "model=";
@@ -96,7 +95,7 @@ AgentSpec AgentFor(const std::string& text, const std::string& default_model) {
   if (latest != std::string::npos) {  // of today: reports say which that is
     agent.text.replace(latest + kModel.size(), named.size(), agent.model_file);
   }
-  if (agent.kind != Kind::kSearch || !Predicts(agent.search)) return agent;
+  if (agent.kind != AgentSpec::Kind::kSearch || !Predicts(agent.search)) return agent;
   if (agent.model_file.empty() || LoadModel(agent.model_file)->description.others_hidden == 0) {
     throw Error(StrCat("agent ", text, ": opponents=predicted with ",
                        named.empty() ? "no model" : named,

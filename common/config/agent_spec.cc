@@ -11,6 +11,8 @@
 namespace powderkeg {
 namespace {
 
+constexpr std::string_view kPessimist = "pessimist";
+
 // "a=1,b=2" as fields in order. Throws Error.
 std::vector<TextField> ParseOptions(std::string_view agent, std::string_view text) {
   std::vector<TextField> options;
@@ -48,6 +50,11 @@ void ReadRawNetwork(std::vector<TextField> options, AgentSpec& agent) {
   }
 }
 
+void ReadPessimist(const std::vector<TextField>& options, AgentSpec& agent) {
+  agent.kind = AgentSpec::Kind::kPessimist;
+  ReadOptions(options, "pessimist:", PessimistOptions(), agent.pessimist);
+}
+
 void ReadSearch(std::vector<TextField> options, const SearchSettings& base, AgentSpec& agent) {
   agent.kind = AgentSpec::Kind::kSearch;
   agent.model_file = TakeModel(options);
@@ -63,6 +70,8 @@ AgentSpec Parse(std::string_view text, const SearchSettings& base) {
   const std::string_view options = has_options ? text.substr(name.size() + 1) : std::string_view();
   if (name == "raw") {
     ReadRawNetwork(ParseOptions(name, options), agent);
+  } else if (name == kPessimist) {
+    ReadPessimist(ParseOptions(name, options), agent);
   } else if (name == "search") {
     ReadSearch(ParseOptions(name, options), base, agent);
   } else if (const std::optional<PolicyKind> policy = PolicyKindFor(name); policy && !has_options) {
@@ -71,7 +80,7 @@ AgentSpec Parse(std::string_view text, const SearchSettings& base) {
     throw Error(StrCat("agent ", name, ": options ", Quoted(options), ": it has none"));
   } else {
     std::vector<std::string_view> known = {"raw", "search"};
-    known.insert(known.end(), kPolicyNames.begin(), kPolicyNames.end());
+    known.insert(known.end(), kScriptNames.begin(), kScriptNames.end());
     throw Error(StrCat("unknown agent ", Quoted(name), ": known: ", KnownAgents(),
                        DidYouMean(name, known)));
   }
@@ -98,13 +107,20 @@ AgentSpec ParsePlayersAgent(std::string_view text, const SearchSettings& base) {
   return agent;
 }
 
+bool IsScript(std::string_view name) {
+  return std::ranges::find(kScriptNames, name) != kScriptNames.end();
+}
+
 std::string KnownAgents() {
-  return Joined(kPolicyNames, ", ") + ", raw:model=MODEL, search[:OPTION=VALUE,...][,model=MODEL]";
+  return Joined(kScriptNames, ", ") +
+         "[:OPTION=VALUE,...], raw:model=MODEL, search[:OPTION=VALUE,...][,model=MODEL]";
 }
 
 std::string AgentOptionsHelp() {
   return StrCat("Options of a search, as in search:simulations=64,root=gumbel\n\n",
-                DescribeOptions(SearchOptions(), ""));
+                DescribeOptions(SearchOptions(), ""),
+                "\nOptions of a pessimist, as in pessimist:depth=3\n\n",
+                DescribeOptions(PessimistOptions(), ""));
 }
 
 }  // namespace powderkeg
