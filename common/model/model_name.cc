@@ -1,7 +1,6 @@
 #include "common/model/model_name.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -14,6 +13,7 @@
 #include "common/base/check.h"
 #include "common/base/durable_file.h"
 #include "common/base/nearest_name.h"
+#include "common/base/number.h"
 
 namespace powderkeg {
 namespace {
@@ -100,16 +100,17 @@ std::string ShortlyNamed(const std::string& name) {
 // `text` is NETWORK[:SEED].
 Snapshot Untrained(std::string_view text) {
   const std::string_view network = text.substr(0, text.find(':'));
-  std::uint64_t seed = 1;
+  std::optional<std::uint64_t> seed = 1;
   if (network.size() < text.size()) {
     const std::string_view digits = text.substr(network.size() + 1);
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), seed);
-    if (error != std::errc() || end != digits.data() + digits.size()) {
+    seed = ParseNumber<std::uint64_t>(digits);
+    if (!seed) {
       throw Error(StrCat("model ", kUntrained, text, ": the seed is \"", digits,
                          "\"; expected a whole number from 0"));
     }
   }
-  return std::make_shared<const WeightsSnapshot>(InitialWeights(NetworkByName(network), Rng(seed)));
+  return std::make_shared<const WeightsSnapshot>(
+      InitialWeights(NetworkByName(network), Rng(*seed)));
 }
 
 }  // namespace
