@@ -18,6 +18,7 @@
 #include "common/base/descriptors.h"
 #include "common/base/log.h"
 #include "common/base/name.h"
+#include "common/base/run_main.h"
 #include "common/base/unique.h"
 #include "common/base/worker.h"
 #include "common/wire/zmq_transport.h"
@@ -66,13 +67,12 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--give-up", arguments.give_up_s,
                  "seconds without the learner after which it ends with code 75; 0: never")
       ->check(CLI::Range(0, 86'400));
-  app.option_defaults()->always_capture_default();
 }
 
 SelfPlaySettings SettingsOf(const Arguments& arguments) {
   SelfPlaySettings settings;
   settings.session.run_id = arguments.run_id;
-  settings.session.build = "powderkeg " POWDERKEG_VERSION;
+  settings.session.build = std::string("powderkeg ") + Version();
   settings.session.name = arguments.name;
   settings.session.incarnation = UniqueNumber();
   settings.session.loops = arguments.loops;
@@ -111,8 +111,7 @@ void RunUntilSignal(SelfPlay& self_play, const sigset_t& signals) {
   worker.Join();
 }
 
-// The exit code.
-int Run(const Arguments& arguments) {
+int Play(const Arguments& arguments) {
   RequireName("--name", arguments.name);
   AllowManyDescriptors();
   signal(SIGPIPE, SIG_IGN);
@@ -127,7 +126,16 @@ int Run(const Arguments& arguments) {
   RunUntilSignal(self_play, signals);
   if (self_play.gave_up()) return kGaveUp;
   log::Info("done");
-  return 0;
+  return kDone;
+}
+
+int Run(const Arguments& arguments) {
+  try {
+    return Play(arguments);
+  } catch (const std::exception& error) {
+    log::Error("actor failed", "error", error.what());
+    return kFailed;
+  }
 }
 
 }  // namespace
@@ -135,13 +143,8 @@ int Run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   powderkeg::Arguments arguments;
-  CLI::App app("Plays games for a learner until told to stop.");
+  CLI::App app("Plays games for a learner until told to stop.", "actor");
   powderkeg::AddOptions(app, arguments);
-  CLI11_PARSE(app, argc, argv);
-  try {
-    return powderkeg::Run(arguments);
-  } catch (const std::exception& error) {
-    powderkeg::log::Error("actor failed", "error", error.what());
-    return 1;
-  }
+  if (const auto code = powderkeg::ReadCommandLine(app, argc, argv)) return *code;
+  return powderkeg::Run(arguments);
 }

@@ -21,7 +21,7 @@
 #include "common/config/agent_spec.h"
 #include "common/http/http_server.h"
 #include "common/model/evaluation_cache.h"
-#include "common/model/weights_snapshot.h"
+#include "common/model/model_name.h"
 
 namespace powderkeg {
 namespace {
@@ -53,17 +53,16 @@ struct Arguments {
 void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--agent", arguments.agents, "one for all ports or one for each: " + KnownAgents())
       ->required();
-  app.add_option("--port", arguments.ports, "one or more (10080)")->check(CLI::Range(1, 65535));
-  app.add_option("--host", arguments.host, "address to listen on (127.0.0.1); 0.0.0.0: all");
-  app.add_option("--model", arguments.model,
-                 "weights file of agents that name none, or untrained:NETWORK");
+  app.add_option("--port", arguments.ports, "one or more")->check(CLI::Range(1, 65535));
+  app.add_option("--host", arguments.host, "address to listen on; 0.0.0.0: all");
+  app.add_option("--model", arguments.model, StrCat("of agents that name none: ", kModelHelp));
   auto* simulations = app.add_option("--simulations", arguments.simulations, "of a search per move")
                           ->check(CLI::Range(1, 1'000'000));
   app.add_option("--move-time-ms", arguments.move_time_ms,
                  "a search answers after so long at the latest; the official runner waits 150 ms")
       ->check(CLI::Range(1, 3'600'000))
       ->excludes(simulations);
-  app.add_option("--seed", arguments.seed, "of all random choices (1)");
+  app.add_option("--seed", arguments.seed, "of all random choices");
   app.add_option("--evaluator", arguments.evaluator.evaluator,
                  "of agents with a model: " + Joined(kEvaluatorNames, ", "));
   app.add_option("--precision", arguments.evaluator.precision, Joined(kPrecisionNames, ", "));
@@ -75,12 +74,11 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       },
       "every option of a search with its default, meaning and range");
   app.add_option("--evaluator-threads", arguments.evaluator.threads,
-                 StrCat("processors that answer the questions of a search, each part of them (",
-                        arguments.evaluator.threads, "); only with onednn"))
+                 "processors that answer the questions of a search, each part of them; only with "
+                 "onednn")
       ->check(CLI::Range(1, 64));
-  app.add_option(
-         "--cache-mb", arguments.evaluator.cache_mb,
-         StrCat("memory for answers given before (", arguments.evaluator.cache_mb, "); 0: none"))
+  app.add_option("--cache-mb", arguments.evaluator.cache_mb,
+                 "memory for answers given before; 0: none")
       ->check(CLI::Range(0, 4096));
   app.add_option("--log-level", arguments.log_level,
                  "debug (also names every move cut short or over 100 ms), info, warn or error");
@@ -88,7 +86,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
 
 // The agent's own words, changed by what holds for all.
 AgentSpec DescriptionOf(const std::string& text, const Arguments& arguments) {
-  AgentSpec description = AgentFor(text);
+  AgentSpec description = AgentFor(text, arguments.model);
   if (arguments.simulations > 0) description.search.simulations = arguments.simulations;
   if (arguments.move_time_ms > 0) {
     description.search.simulations = kEnoughSimulations;
@@ -98,8 +96,6 @@ AgentSpec DescriptionOf(const std::string& text, const Arguments& arguments) {
       description.search.gumbel_first_halving = kFirstHalving;
     }
   }
-  if (description.HasNetwork() && description.model_file.empty())
-    description.model_file = arguments.model;
   return description;
 }
 
@@ -201,7 +197,7 @@ void Report(const Seat& seat) {
             cache->misses() / served.searches);
 }
 
-void Run(const Arguments& arguments) {
+int Run(const Arguments& arguments) {
   const std::vector<AgentSpec> agents = AgentsOf(arguments);
   const sigset_t signals = BlockEndSignals();
   AllowManyDescriptors();
@@ -215,6 +211,7 @@ void Run(const Arguments& arguments) {
   int signal = 0;
   sigwait(&signals, &signal);
   for (const Seat& seat : seats) Report(seat);
+  return kDone;
 }
 
 }  // namespace
@@ -224,6 +221,5 @@ int main(int argc, char** argv) {
   CLI::App app("Serves agents to the official Pommerman runner over HTTP.", "agent_server");
   powderkeg::Arguments arguments;
   powderkeg::AddOptions(app, arguments);
-  CLI11_PARSE(app, argc, argv);
-  return powderkeg::RunMain("agent_server", [&] { powderkeg::Run(arguments); });
+  return powderkeg::RunMain(app, argc, argv, [&] { return powderkeg::Run(arguments); });
 }

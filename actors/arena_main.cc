@@ -20,7 +20,7 @@
 #include "common/base/check.h"
 #include "common/base/run_main.h"
 #include "common/config/agent_spec.h"
-#include "common/model/weights_snapshot.h"
+#include "common/model/model_name.h"
 
 namespace powderkeg {
 namespace {
@@ -29,18 +29,23 @@ constexpr int kMostGames = 1'000'000;
 
 constexpr const char* kExamples = R"(Examples:
   arena --agent search                            # the default search against three SimpleUnbiased
-  arena --agent search:simulations=64,model=runs/quick/weights/version-000025.weights --games 1000
-  arena --agent "search:model=FILE,tree=two_player,simulations=1000,opponents=simple_unbiased"
+  arena --agent search:model=ffa --games 20       # a trained one (models/ffa.md)
+  arena --agent search:model=latest,simulations=64 --games 1000      # the newest of your own
+  arena --agent search:model=ffa,tree=two_player,simulations=1000,opponents=simple_unbiased
   arena --agent raw:model=OLD --agent raw:model=NEW --sprt score_difference=0..0.05 --games 5000
   arena --agent search --sprt win_rate=0.5..0.6   # stops when it is clear which of the two it is
-  arena --agent raw:model=untrained:small          # fresh weights
-  arena --agent search --opponents simple_unbiased search:model=FILE idle
+  arena --agent search:simulations=50 --models a.weights b.weights c.weights
+  arena --agent raw:model=untrained:small:7       # fresh weights of seed 7
+  arena --agent search --opponents simple_unbiased search:model=ffa idle
   arena --agent search --mate simple_unbiased --environment PommeTeamCompetition-v0
   arena --agent search:simulations=50 --agent search:simulations=200 --table strength.csv
   deploy/plot-arena strength.csv                  # win rate over simulations, actions, heat maps
 
 The agents sit in every seat in turn, on the same boards for each --agent. Elo is over the average
 opponent; in a free-for-all equal agents (who win 1 in 4) are 0 apart. Intervals are 95 %.
+Depth is the mean over simulations, variation the length of the principal variation, both in steps of
+the game. ms/move includes the whole game, on one thread; of one game alone: --threads 1
+--games-in-flight 1.
 
 --sprt FIGURE=LOW..HIGH asks whether the figure is LOW or HIGH and plays until that is answered
 (Wald's test; each answer wrong in 5 % at most) or --games are played:
@@ -51,6 +56,7 @@ opponent; in a free-for-all equal agents (who win 1 in 4) are 0 apart. Intervals
 
 struct Arguments {
   std::vector<std::string> agents;
+  std::vector<std::string> models;
   std::vector<std::string> opponents = {"simple_unbiased"};
   std::string mate;  // empty: the agent itself
   std::string environment = "PommeFFACompetition-v0";
@@ -73,10 +79,13 @@ void AddPlayers(CLI::App& app, Arguments& arguments) {
   app.add_option("--agent", arguments.agents,
                  "agent to measure; several are measured on the same boards and compared with the "
                  "first. " +
-                     KnownAgents())
+                     KnownAgents() + ". MODEL is " + kModelHelp)
       ->required()
       ->expected(1)
       ->take_all();
+  app.add_option("--models", arguments.models,
+                 "each --agent, which names no model, is measured with each of these: mean and "
+                 "standard deviation between models too");
   app.add_option("--opponents", arguments.opponents,
                  "the other agents: one for all, or one for each seat after the measured one")
       ->expected(1, 3);
@@ -124,13 +133,7 @@ void Describe(CLI::App& app, Arguments& arguments) {
   AddPlayers(app, arguments);
   AddGames(app, arguments);
   AddOutputs(app, arguments);
-  for (CLI::Option* option : app.get_options()) {
-    if (option != app.get_help_ptr()) option->capture_default_str();
-  }
   app.footer(kExamples);
-  app.failure_message([](const CLI::App*, const CLI::Error& error) {
-    return StrCat("arena: ", error.what(), "; see --help\n");
-  });
 }
 
 ContestSettings SettingsOf(const Arguments& arguments) {
@@ -153,6 +156,27 @@ ContestSettings SettingsOf(const Arguments& arguments) {
   if (!arguments.question.empty()) settings.question = ParseQuestion(arguments.question);
   settings.min_games = arguments.min_games;
   return settings;
+}
+
+// --agent with --models: one with each.
+struct Measured {
+  std::string agent;
+  std::string settings;  // Contender::settings
+};
+
+std::vector<Measured> MeasuredAgents(const Arguments& arguments) {
+  std::vector<Measured> measured;
+  for (const std::string& agent : arguments.agents) {
+    if (arguments.models.empty()) measured.push_back({agent, ""});
+    const char separator = agent.find(':') == std::string::npos ? ':' : ',';
+    for (const std::string& model : arguments.models) {
+      if (agent.find("model=") != std::string::npos) {
+        throw Error(StrCat("--agent ", agent, " names a model beside --models; expected none"));
+      }
+      measured.push_back({StrCat(agent, separator, "model=", model), agent});
+    }
+  }
+  return measured;
 }
 
 // The agent in role 0 and, in team modes, its mate in role 2.
@@ -188,10 +212,12 @@ std::string Joined(const std::vector<std::string>& parts) {
 // A progress bar for each agent on stderr.
 class Bars final : public ContestWatcher {
  public:
-  Bars(const std::vector<std::string>& agents, int games) {
+  Bars(const std::vector<MatchLineup>& lineups, int games) {
     const auto style =
         isatty(STDERR_FILENO) != 0 ? MatchProgress::Style::kTerminal : MatchProgress::Style::kPlain;
-    for (const std::string& agent : agents) bars_.emplace_back(std::cerr, style, agent, games);
+    for (const MatchLineup& lineup : lineups) {
+      bars_.emplace_back(std::cerr, style, lineup[0].text, games);
+    }
   }
 
   void Began(int agent) override { bars_[agent].Start(MatchProgress::Clock::now()); }
@@ -205,7 +231,9 @@ class Bars final : public ContestWatcher {
   std::vector<MatchProgress> bars_;
 };
 
-std::vector<Contender> ContendersOf(const Arguments& arguments, const MatchSettings& settings,
+std::vector<Contender> ContendersOf(const Arguments& arguments,
+                                    const std::vector<Measured>& measured,
+                                    const MatchSettings& settings,
                                     const std::vector<MatchLineup>& lineups,
                                     std::vector<ContestResult> results) {
   std::vector<Contender> contenders;
@@ -219,7 +247,8 @@ std::vector<Contender> ContendersOf(const Arguments& arguments, const MatchSetti
                         .test = results[i].test,
                         .summary = {},
                         .difference = {},
-                        .teams = IsTeamMode(settings.game.mode)};
+                        .teams = IsTeamMode(settings.game.mode),
+                        .settings = measured[i].settings};
     for (int role = 0; role < SeatCount(settings.game.mode); ++role) {
       contender.roles[role] = lineups[i][role].text;
     }
@@ -238,23 +267,25 @@ void WriteFile(const std::string& path, const std::string& text) {
   if (!file) throw Error(StrCat("cannot write \"", path, "\""));
 }
 
-void Run(const Arguments& arguments) {
+int Run(const Arguments& arguments) {
   const ContestSettings settings = SettingsOf(arguments);
+  const std::vector<Measured> measured = MeasuredAgents(arguments);
   std::vector<MatchLineup>
       lineups;  // all at once: a mistake should not surface after the first match
-  for (const std::string& agent : arguments.agents) {
-    lineups.push_back(LineupOf(agent, arguments, settings.match.game.mode));
+  for (const Measured& each : measured) {
+    lineups.push_back(LineupOf(each.agent, arguments, settings.match.game.mode));
   }
   InitialiseEvaluators();
-  Bars bars(arguments.agents, arguments.games);
+  Bars bars(lineups, arguments.games);
   std::vector<ContestResult> results =
       PlayContest(lineups, settings, LoaderOf(arguments.evaluator), bars);
   const std::vector<Contender> contenders =
-      ContendersOf(arguments, settings.match, lineups, std::move(results));
+      ContendersOf(arguments, measured, settings.match, lineups, std::move(results));
   std::cout << ReportText(contenders);
   WriteFile(arguments.json_file, ReportJson(contenders));
   WriteFile(arguments.table_file, TableCsv(contenders));
   WriteFile(arguments.csv_file, GamesCsv(contenders));
+  return kDone;
 }
 
 }  // namespace
@@ -264,6 +295,5 @@ int main(int argc, char** argv) {
   CLI::App app("Measures agents: win, tie and loss rates with 95 % intervals.", "arena");
   powderkeg::Arguments arguments;
   powderkeg::Describe(app, arguments);
-  CLI11_PARSE(app, argc, argv);
-  return powderkeg::RunMain("arena", [&] { powderkeg::Run(arguments); });
+  return powderkeg::RunMain(app, argc, argv, [&] { return powderkeg::Run(arguments); });
 }

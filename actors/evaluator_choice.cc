@@ -1,6 +1,7 @@
 #include "actors/evaluator_choice.h"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "common/base/check.h"
 #include "common/config/agent_spec.h"
 #include "common/model/evaluation_cache.h"
+#include "common/model/model_name.h"
 #include "common/model/precision.h"
 #include "common/pommerman/generate.h"
 #ifdef POWDERKEG_HAS_ONEDNN
@@ -83,12 +85,20 @@ std::unique_ptr<Evaluator> MakeOne(const std::string& name, const EvaluatorChoic
 
 }  // namespace
 
-AgentSpec AgentFor(const std::string& text) {
+AgentSpec AgentFor(const std::string& text, const std::string& default_model) {
   AgentSpec agent = ParseAgent(text);
+  if (!agent.HasNetwork()) return agent;
+  const std::string named = agent.model_file.empty() ? default_model : agent.model_file;
+  if (!named.empty()) agent.model_file = ResolvedModel(named);
+  constexpr std::string_view kModel = "model=";
+  const std::size_t latest = agent.text.find("model=latest");
+  if (latest != std::string::npos) {  // of today: reports say which that is
+    agent.text.replace(latest + kModel.size(), named.size(), agent.model_file);
+  }
   if (agent.kind != AgentSpec::Kind::kSearch || !Predicts(agent.search)) return agent;
   if (agent.model_file.empty() || LoadModel(agent.model_file)->description.others_hidden == 0) {
     throw Error(StrCat("agent ", text, ": opponents=predicted with ",
-                       agent.model_file.empty() ? "no model" : agent.model_file,
+                       named.empty() ? "no model" : named,
                        "; expected weights that foretell the others"));
   }
   return agent;

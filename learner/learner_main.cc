@@ -9,7 +9,9 @@
 
 #include "common/base/descriptors.h"
 #include "common/base/log.h"
+#include "common/base/run_main.h"
 #include "common/config/config.h"
+#include "common/model/model_name.h"
 #include "learner/report/dashboard.h"
 #include "learner/run/learner.h"
 #include "learner/run/run_folder.h"
@@ -43,37 +45,27 @@ void AddOptions(CLI::App& app, Options& options) {
       },
       "every setting with its default, meaning and range");
   app.add_option("--initial-weights", options.learner.first_weights,
-                 "what a new run starts from: a .weights file, or a .checkpoint file with its\n"
-                 "optimizer; a run that has begun keeps its own");
+                 "what a new run starts from: a .checkpoint file with its optimizer, or\n" +
+                     std::string(kModelHelp) + "; a run that has begun keeps its own");
   app.add_option("--demonstrations", options.learner.demonstrations,
                  "recorded games of the official environment, plain or gzip, as replay --export\n"
                  "writes them: a new run's first iteration learns what everybody did in all of\n"
                  "them, and then the games begin; a run that has begun keeps its own");
   app.add_option("--listen", options.learner.listen,
-                 "tcp://*:PORT, tcp://127.0.0.1:PORT or ipc://PATH")
-      ->capture_default_str();
+                 "tcp://*:PORT, tcp://127.0.0.1:PORT or ipc://PATH");
   app.add_option("--keys", options.learner.keys, "folder of CURVE keys (deploy/keys)");
   app.add_flag("--insecure", options.learner.insecure, "allow other machines without keys");
   app.add_option(
-         "--http", options.http,
-         "where to serve a dashboard, /status.json, /iterations.csv and /metrics (Prometheus):\n"
-         "ADDRESS:PORT (port 0: any free one), off, or auto: 127.0.0.1:8265 or, where that is\n"
-         "taken, any free port. Read-only and unauthenticated: whoever reaches it sees the run")
-      ->capture_default_str();
+      "--http", options.http,
+      "where to serve a dashboard, /status.json, /iterations.csv and /metrics (Prometheus):\n"
+      "ADDRESS:PORT (port 0: any free one), off, or auto: 127.0.0.1:8265 or, where that is\n"
+      "taken, any free port. Read-only and unauthenticated: whoever reaches it sees the run");
   app.add_flag("--check", options.check,
                "check the run's name, settings and demonstrations, write nothing, end");
-  app.add_option("--log-level", options.log_level, "debug, info, warn or error")
-      ->capture_default_str();
+  app.add_option("--log-level", options.log_level, "debug, info, warn or error");
 }
 
-int Main(int argc, char** argv) {
-  Options options;
-  CLI::App app{
-      "Powderkeg's learner: verifies and stores the games that actors send, trains on them and\n"
-      "sends new weights. Started again on the same folder it goes on where it was."};
-  AddOptions(app, options);
-  CLI11_PARSE(app, argc, argv);
-
+int Run(Options& options) {
   std::signal(SIGINT, [](int) { stop_signal = 1; });
   std::signal(SIGTERM, [](int) { stop_signal = 1; });
   std::signal(SIGHUP, [](int) { stop_signal = 1; });
@@ -86,7 +78,7 @@ int Main(int argc, char** argv) {
     if (options.check) {
       const RunConfig config = ConfigOfRun(learner.folder, learner.config, learner.changes);
       CheckDemonstrations(learner.folder, learner.demonstrations, config.self_play.environment);
-      return 0;
+      return kDone;
     }
     const std::filesystem::path logs = options.learner.folder / "log";
     std::filesystem::create_directories(logs);
@@ -94,14 +86,23 @@ int Main(int argc, char** argv) {
     log::Init((logs / "learner.log").string(), log::LevelFor(options.log_level),
               /*console=*/log::Level::kWarn);  // the display shows the rest
     Learner(options.learner).Run([] { return stop_signal != 0; });
-    return 0;
+    return kDone;
   } catch (const std::exception& error) {
     log::Error("learner failed", "reason", error.what());
-    return 1;
+    return kFailed;
   }
 }
 
 }  // namespace
 }  // namespace powderkeg
 
-int main(int argc, char** argv) { return powderkeg::Main(argc, argv); }
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Powderkeg's learner: verifies and stores the games that actors send, trains on them and\n"
+      "sends new weights. Started again on the same folder it goes on where it was.",
+      "learner");
+  powderkeg::Options options;
+  powderkeg::AddOptions(app, options);
+  if (const auto code = powderkeg::ReadCommandLine(app, argc, argv)) return *code;
+  return powderkeg::Run(options);
+}

@@ -160,7 +160,7 @@ void CheckSpool(const fs::path& file, const std::map<std::uint64_t, int>& stored
   Say(StrCat(file.string(), ": ", all, " games, of these not stored: ", TicketsText(waiting)));
 }
 
-void CheckRunFolder(const fs::path& run) {
+int CheckRunFolder(const fs::path& run) {
   if (!fs::is_directory(run)) throw Error(StrCat(run.string(), " is no folder of a run"));
   const std::map<std::uint64_t, int> stored = CheckSegments(run / "replay");
   const DataSets done = CheckCheckpoints(run / "checkpoints");
@@ -173,6 +173,8 @@ void CheckRunFolder(const fs::path& run) {
     if (!stored.contains(ticket)) used.push_back(ticket);
   }
   Say(StrCat("used and not stored (lost, or removed by training.replay_mb): ", TicketsText(used)));
+  if (faults == 0) Say("no faults");
+  return faults == 0 ? kDone : kFailed;
 }
 
 }  // namespace
@@ -183,10 +185,8 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Reads a run's folder, best while no learner works in it, and says what is lost, doubled or\n"
       "out of order in games, checkpoints, table and spools. Changes nothing; 1 if there is a "
-      "fault.");
+      "fault.",
+      "check_run");
   app.add_option("run", run, "runs/NAME")->required();
-  CLI11_PARSE(app, argc, argv);
-  const int code = powderkeg::RunMain("check_run", [&] { powderkeg::CheckRunFolder(run); });
-  if (powderkeg::faults == 0 && code == 0) powderkeg::Say("no faults");
-  return powderkeg::faults > 0 ? 1 : code;
+  return powderkeg::RunMain(app, argc, argv, [&] { return powderkeg::CheckRunFolder(run); });
 }

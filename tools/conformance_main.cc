@@ -1,5 +1,4 @@
 // conformance: replays what the official environment recorded and reports every difference.
-// Exit codes: 0 all equal, 1 differences, 2 bad arguments or input.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -9,13 +8,12 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/run_main.h"
 #include "tools/official/recorded_decisions.h"
 #include "tools/official/recorded_replay.h"
 
 namespace powderkeg {
 namespace {
-
-enum ExitCode { kEqual = 0, kDifferent = 1, kBadInput = 2 };
 
 struct Tally {
   int checked = 0;  // steps
@@ -51,7 +49,7 @@ void Print(const std::string& file, const Tally& tally) {
 }
 
 int CheckGames(const std::vector<std::string>& files) {
-  int code = kEqual;
+  int code = kDone;
   for (const std::string& file : files) {
     Tally tally;
     int games = 0;
@@ -59,13 +57,14 @@ int CheckGames(const std::vector<std::string>& files) {
     for (RecordedGame game; reader.Next(game); ++games) CheckGame(game, tally);
     if (games == 0) throw Error(StrCat(file, ": holds no game"));
     Print(file, tally);
-    if (!tally.differences.empty()) code = kDifferent;
+    if (!tally.differences.empty()) code = kFailed;
   }
   return code;
 }
 
 int Main(int argc, char** argv) {
-  CLI::App app("Replays what the official environment recorded and reports every difference.");
+  CLI::App app("Replays what the official environment recorded and reports every difference.",
+               "conformance");
   app.require_subcommand(1);
   std::vector<std::string> files;
   CLI::App* games = app.add_subcommand("games", "Recorded games: states, rewards, ends, views");
@@ -75,17 +74,9 @@ int Main(int argc, char** argv) {
       app.add_subcommand("decisions", "Recorded decisions of an agent: their distributions");
   decisions->add_option("--agent", agent, "simple_unbiased or official_simple")->required();
   decisions->add_option("files", files, ".jsonl or .jsonl.gz files")->required();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kEqual : kBadInput;
-  }
-  try {
+  return RunMain(app, argc, argv, [&] {
     return games->parsed() ? CheckGames(files) : RunDecisionsCheck(agent, files);
-  } catch (const Error& error) {
-    std::cerr << "conformance: " << error.what() << '\n';
-    return kBadInput;
-  }
+  });
 }
 
 }  // namespace

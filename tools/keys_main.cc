@@ -20,10 +20,11 @@ void MakePair(const std::filesystem::path& file) {
   std::cout << "made " << file.string() << ".secret and .public\n";
 }
 
-void MakeKeys(const std::filesystem::path& folder, const std::vector<std::string>& actors) {
+int MakeKeys(const std::filesystem::path& folder, const std::vector<std::string>& actors) {
   for (const std::string& name : actors) RequireName("an actor's name", name);
   MakePair(folder / "learner");
   for (const std::string& name : actors) MakePair(folder / "actors" / name);
+  return kDone;
 }
 
 }  // namespace
@@ -34,9 +35,9 @@ int main(int argc, char** argv) {
   std::vector<std::string> actors;
   CLI::App app(
       "Makes a key pair for the learner and one for each actor, those that do not exist yet. A "
-      "machine with actors needs learner.public and the actors' own files.");
+      "machine with actors needs learner.public and the actors' own files.",
+      "keys");
   app.add_option("folder", folder, "where the keys are")->required();
   app.add_option("actors", actors, "names of actors");
-  CLI11_PARSE(app, argc, argv);
-  return powderkeg::RunMain("keys", [&] { powderkeg::MakeKeys(folder, actors); });
+  return powderkeg::RunMain(app, argc, argv, [&] { return powderkeg::MakeKeys(folder, actors); });
 }

@@ -73,7 +73,7 @@ StoredGame Find(const Arguments& arguments) {
   throw Error(StrCat("game ", wanted, ": not in ", arguments.file, ", which has fewer games"));
 }
 
-void Show(const Arguments& arguments) {
+int Show(const Arguments& arguments) {
   const bool terminal = isatty(STDOUT_FILENO) != 0;
   const Colours colours = terminal ? Colours::kAnsi : Colours::kNone;
   const StoredGame stored = Find(arguments);
@@ -83,7 +83,7 @@ void Show(const Arguments& arguments) {
   }
   if (arguments.step >= 0) {
     std::cout << RenderStep(stored, arguments.step, colours);
-    return;
+    return kDone;
   }
   constexpr std::string_view kClearScreen = "\033[H\033[2J";
   for (int step = 0; step <= last; ++step) {
@@ -93,9 +93,10 @@ void Show(const Arguments& arguments) {
       std::this_thread::sleep_for(std::chrono::milliseconds(arguments.delay_ms));
     }
   }
+  return kDone;
 }
 
-void Export(const Arguments& arguments) {
+int Export(const Arguments& arguments) {
   std::ofstream output(arguments.export_file);
   int games = 0;
   if (arguments.game >= 0) {
@@ -107,6 +108,7 @@ void Export(const Arguments& arguments) {
   }
   if (!output.flush()) throw Error(StrCat("cannot write ", arguments.export_file));
   std::cout << arguments.export_file << ": " << games << " games\n";
+  return kDone;
 }
 
 void AddOptions(CLI::App& app, Arguments& arguments) {
@@ -117,7 +119,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(0, 1'000'000'000));
   app.add_option("--step", arguments.step, "show only the position after so many steps")
       ->check(CLI::Range(0, 1'000'000));
-  app.add_option("--delay-ms", arguments.delay_ms, "between two steps on a terminal (200)")
+  app.add_option("--delay-ms", arguments.delay_ms, "between two steps on a terminal")
       ->check(CLI::Range(0, 60'000));
   app.add_option("--export", arguments.export_file,
                  "write the game (without --game: all games) in the recorded format instead");
@@ -130,8 +132,8 @@ int main(int argc, char** argv) {
   CLI::App app("Shows stored games step by step, or exports them as text.", "replay");
   powderkeg::Arguments arguments;
   powderkeg::AddOptions(app, arguments);
-  CLI11_PARSE(app, argc, argv);
-  return powderkeg::RunMain("replay", [&] {
-    arguments.export_file.empty() ? powderkeg::Show(arguments) : powderkeg::Export(arguments);
+  return powderkeg::RunMain(app, argc, argv, [&] {
+    return arguments.export_file.empty() ? powderkeg::Show(arguments)
+                                         : powderkeg::Export(arguments);
   });
 }

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <limits>
+#include <map>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -62,8 +64,9 @@ std::string ActsText(const MatchSummary& summary) {
 std::string SearchText(const MatchSummary& summary) {
   if (summary.mean_batch == 0) return "";  // nothing was ever evaluated
   std::string text = Format(
-      "  depth   %5.2f   ms/move %.2f   simulations/s %.0f   mean batch %.1f\n", summary.mean_depth,
-      summary.ms_per_move, summary.simulations_per_s, summary.mean_batch);
+      "  depth   %5.2f   variation %.2f   ms/move %.2f   simulations/s %.0f   mean batch %.1f\n",
+      summary.mean_depth, summary.variation_length, summary.ms_per_move, summary.simulations_per_s,
+      summary.mean_batch);
   if (summary.prediction_accuracy >= 0) {
     text += Format("  opponents' actions predicted at the root: %.1f %%\n",
                    100 * summary.prediction_accuracy);
@@ -115,6 +118,54 @@ std::string TableText(std::span<const Contender> contenders) {
         summary.elo.elo, summary.steps.mean(), summary.mean_depth, summary.ms_per_move,
         summary.action_shares[0], summary.bombs_per_game, summary.kicks_per_game,
         summary.kills_per_game, summary.cells_in_window, contender.agent.c_str());
+  }
+  return text;
+}
+
+// A figure over models: its mean, and the standard deviation between them.
+std::string SpreadText(const char* name, std::span<const Contender* const> models,
+                       const std::function<double(const MatchSummary&)>& figure) {
+  RunningStatistics values;
+  for (const Contender* model : models) values.Add(figure(model->summary));
+  return Format("  %-9s %7.3f +- %.3f", name, values.mean(), values.standard_deviation());
+}
+
+// The same of games that ended in some way, beside the interval of all games together.
+std::string RateSpreadText(const char* name, std::span<const Contender* const> models,
+                           std::uint64_t MatchScore::*count) {
+  std::uint64_t pooled = 0;
+  std::uint64_t games = 0;
+  for (const Contender* model : models) {
+    pooled += model->summary.score.*count;
+    games += model->summary.score.games();
+  }
+  const Interval interval = WilsonInterval(pooled, games);
+  return SpreadText(name, models,
+                    [count](const MatchSummary& summary) {
+                      return RateOf(summary.score.*count, summary.score.games());
+                    }) +
+         Format("   of %llu games %.3f [%.3f, %.3f]\n", static_cast<unsigned long long>(games),
+                RateOf(pooled, games), interval.low, interval.high);
+}
+
+std::string ModelsText(std::span<const Contender> contenders) {
+  std::map<std::string, std::vector<const Contender*>> series;
+  for (const Contender& contender : contenders) {
+    if (!contender.settings.empty()) series[contender.settings].push_back(&contender);
+  }
+  std::string text;
+  for (const auto& [settings, models] : series) {
+    text += StrCat("\n", settings, ", mean +- standard deviation between ", models.size(),
+                   " models\n") +
+            RateSpreadText("win", models, &MatchScore::wins) +
+            RateSpreadText("tie", models, &MatchScore::ties) +
+            RateSpreadText("loss", models, &MatchScore::losses) +
+            SpreadText("steps", models, [](const auto& summary) { return summary.steps.mean(); }) +
+            SpreadText("depth", models, [](const auto& summary) { return summary.mean_depth; }) +
+            SpreadText("variation", models,
+                       [](const auto& summary) { return summary.variation_length; }) +
+            SpreadText("ms/move", models, [](const auto& summary) { return summary.ms_per_move; }) +
+            "\n";
   }
   return text;
 }
@@ -204,6 +255,7 @@ std::vector<Figure> FiguresOf(const Contender& contender) {
       {"steps", summary.steps.mean()},
       {"moves_per_game", summary.moves_per_game},
       {"depth", summary.mean_depth},
+      {"variation_length", summary.variation_length},
       {"ms_per_move", summary.ms_per_move},
       {"simulations_per_s", summary.simulations_per_s},
       {"mean_batch", summary.mean_batch},
@@ -255,6 +307,7 @@ std::string ContenderJson(const Contender& contender) {
   for (const Figure& figure : FiguresOf(contender)) {
     text += ", \"" + figure.name + "\": " + Number(figure.value, "null");
   }
+  if (!contender.settings.empty()) text += ", \"settings\": " + Escaped(contender.settings);
   if (contender.test) text += QuestionJson(*contender.test);
   return text + ", \"heat_map\": " + HeatMapJson(contender.summary) + "}";
 }
@@ -289,7 +342,7 @@ std::string ReportText(std::span<const Contender> contenders) {
   std::string text;
   for (const Contender& contender : contenders) text += ContenderText(contender) + "\n";
   if (contenders.size() > 1) text += TableText(contenders);
-  return text + RatingsText(contenders);
+  return text + ModelsText(contenders) + RatingsText(contenders);
 }
 
 std::string ReportJson(std::span<const Contender> contenders) {

@@ -24,16 +24,19 @@ struct Contender {
   std::optional<Difference> difference;          // to the first contender; not of the first itself
   std::array<std::string, kAgentCount> roles{};  // who played each, as specified; empty: nobody
   bool teams = false;
+  std::string settings{};  // where the agent plays with several models: what those share; or empty
 };
 
-// A block per contender; where there are several, a table with a line for each; and where more than
-// two agents met, all of them by their rating.
+// A block per contender; where there are several, a table with a line for each; for those that
+// share `settings`, their mean with the spread between models, beside the interval of all their
+// games together; and where more than two agents met, all of them by their rating.
 [[nodiscard]] std::string ReportText(std::span<const Contender> contenders);
 
 // One JSON object, {"contenders": [{"agent": ..., FIGURE: NUMBER, ..., "heat_map": [[row 0], ...]},
 // ...]}; a contender with a question has "question", "answer" ("open" or a number as text) and
-// "log_likelihood_ratio" too. The figures are the columns of TableCsv. Rates are 0 to 1, intervals
-// 95 %; null stands for what is infinite or was not measured.
+// "log_likelihood_ratio" too, and one among several models its "settings". The figures are the
+// columns of TableCsv. Rates are 0 to 1, intervals 95 %; null stands for what is infinite or was
+// not measured.
 [[nodiscard]] std::string ReportJson(std::span<const Contender> contenders);
 
 // One line per contender: its number, the series it belongs to (the number of the first contender

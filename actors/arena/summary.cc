@@ -38,6 +38,7 @@ void SummarizeActs(const SeatStatistics& sum, double games, MatchSummary& summar
 // How it thought.
 void SummarizeSearch(const SeatStatistics& sum, const Match& match, MatchSummary& summary) {
   summary.mean_depth = Ratio(sum.depth_sum, sum.searches);
+  summary.variation_length = Ratio(static_cast<double>(sum.variation_sum), sum.searches);
   summary.ms_per_move = Ratio(1e3 * match.thread_seconds, static_cast<double>(match.timed_moves));
   summary.simulations_per_s = Ratio(static_cast<double>(match.metrics.simulations), match.seconds);
   summary.mean_batch = match.metrics.mean_batch();

@@ -20,6 +20,7 @@ struct MatchSummary {
   RunningStatistics steps;          // per game
   double moves_per_game = 0;        // steps it lived
   double mean_depth = 0;            // environment steps; 0 without searches
+  double variation_length = 0;      // environment steps of the principal variation, mean
   double ms_per_move = 0;           // of one thread, the whole game included
   double simulations_per_s = 0;     // of all threads
   double mean_batch = 0;            // positions per evaluation

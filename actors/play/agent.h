@@ -17,7 +17,8 @@ namespace powderkeg {
 // What an agent tells of its last move beside the move, for reports.
 struct MoveStatistics {
   std::uint32_t simulations = 0;
-  float mean_depth = 0;  // environment steps from the root to the leaves, mean over simulations
+  float mean_depth = 0;      // environment steps from the root to the leaves, mean over simulations
+  int variation_length = 0;  // environment steps along the principal variation
   std::uint8_t predicted_agents = 0;  // bit i: prediction[i] is what agent i was expected to do
   JointAction prediction{};           // at the root, by the opponent models
 };

@@ -133,6 +133,7 @@ void Game::RecordMove(AgentId seat) {
   ++statistics.searches;
   statistics.simulations += move.simulations;
   statistics.depth_sum += move.mean_depth;
+  statistics.variation_sum += static_cast<std::uint64_t>(move.variation_length);
   CountPredictions(move, statistics);
 }
 

@@ -63,6 +63,7 @@ MoveStatistics SearchAgent::move_statistics() const {
   if (!result().searched) return statistics;
   statistics.simulations = static_cast<std::uint32_t>(result().simulations);
   statistics.mean_depth = static_cast<float>(result().mean_depth);
+  statistics.variation_length = result().variation_length;
   statistics.prediction = result().expected_actions;
   statistics.predicted_agents = result().expected_agents;
   return statistics;

@@ -29,6 +29,7 @@ SeatStatistics& SeatStatistics::operator+=(const SeatStatistics& other) {
   searches += other.searches;
   simulations += other.simulations;
   depth_sum += other.depth_sum;
+  variation_sum += other.variation_sum;
   predictions += other.predictions;
   predictions_right += other.predictions_right;
   bombs += other.bombs;

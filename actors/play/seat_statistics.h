@@ -17,8 +17,9 @@ struct SeatStatistics {
   std::array<std::uint32_t, kActionCount> actions{};
   std::uint32_t searches = 0;  // moves with simulations
   std::uint64_t simulations = 0;
-  double depth_sum = 0;           // of the mean depths, over `searches`
-  std::uint32_t predictions = 0;  // opponents' actions predicted at the root
+  double depth_sum = 0;             // of the mean depths, over `searches`
+  std::uint64_t variation_sum = 0;  // of the lengths of the principal variations
+  std::uint32_t predictions = 0;    // opponents' actions predicted at the root
   std::uint32_t predictions_right = 0;
 
   std::uint32_t bombs = 0;  // laid

@@ -399,8 +399,20 @@ SearchResult Search::Result() const {
   result.simulations = finished_;
   result.reused_visits = reused_visits_;
   if (finished_ > 0) result.mean_depth = static_cast<double>(depth_sum_) / finished_;
+  result.variation_length = VariationLength(result.best);
   ExpectActions(result);
   return result;
+}
+
+int Search::VariationLength(Action first) const {
+  const Node* node = &tree_[kRoot];
+  for (NodeIndex next = node->child[static_cast<std::size_t>(first)]; next != kNoNode;) {
+    node = &tree_[next];
+    if (node->visit_count == 0) break;
+    next = node->child[static_cast<std::size_t>(std::ranges::max_element(node->visits) -
+                                                node->visits.begin())];
+  }
+  return node->state.step - tree_[kRoot].state.step;
 }
 
 // What a winning mover does: the best of the actions that are proven won, if there are any.

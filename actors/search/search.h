@@ -40,6 +40,8 @@ struct SearchResult {
   int simulations = 0;        // made for this move
   int reused_visits = 0;      // kept from the previous move's tree
   double mean_depth = 0;      // environment steps from root to leaf
+  int variation_length = 0;   // environment steps along the principal variation: `best`, then the
+                              // most visited actions
   // What the models do at the root; bit i of `expected_agents` says that entry i holds (living
   // agents that act by model, once a simulation has stepped from the root).
   JointAction expected_actions{};
@@ -120,6 +122,7 @@ class Search {
   void EndSimulation(NodeIndex leaf);
 
   // Result
+  [[nodiscard]] int VariationLength(Action first) const;
   [[nodiscard]] std::optional<std::size_t> WinningAction(const Node& node) const;
   [[nodiscard]] RootStatistics Candidates() const;
   void ChooseFrom(RootStatistics candidates, SearchResult& result) const;

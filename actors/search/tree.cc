@@ -24,11 +24,28 @@ float BestValue(const Node& node) {
   return node.side > 0 ? std::ranges::max(values) : std::ranges::min(values);
 }
 
+// P^(1 / temperature), of sum 1.
+std::array<float, kActionCount> Tempered(std::span<const float, kActionCount> policy,
+                                         double temperature) {
+  std::array<float, kActionCount> tempered{};
+  const float highest = std::ranges::max(policy);
+  float total = 0;
+  for (std::size_t a = 0; a < kActionCount; ++a) {
+    if (policy[a] <= 0) continue;
+    const double logarithm = Log(static_cast<double>(policy[a] / highest)) / temperature;
+    tempered[a] = static_cast<float>(ExpOfNegative(logarithm));
+    total += tempered[a];
+  }
+  for (float& probability : tempered) probability /= total;
+  return tempered;
+}
+
 }  // namespace
 
 Tree::Tree(const SearchSettings& settings)
     : unvisited_value_(static_cast<float>(settings.unvisited_value)),
       renormalise_priors_(settings.renormalise_priors),
+      policy_temperature_(settings.policy_temperature),
       c_puct_init_(settings.c_puct_init),
       c_puct_base_(settings.c_puct_base) {}
 
@@ -84,6 +101,11 @@ NodeIndex Tree::Add(NodeIndex parent, Action parent_action) {
 
 void Tree::SetEdges(Node& node, ActionSet legal,
                     std::span<const float, kActionCount> policy) const {
+  std::array<float, kActionCount> tempered;
+  if (policy_temperature_ != 1) {
+    tempered = Tempered(policy, policy_temperature_);
+    policy = tempered;
+  }
   node.legal = legal;
   node.closed = 0;
   node.child.fill(kNoNode);

@@ -119,6 +119,7 @@ class Tree {
 
   float unvisited_value_;
   bool renormalise_priors_;
+  double policy_temperature_;
   double c_puct_init_;
   double c_puct_base_;
   std::vector<Node> nodes_;  // the first size_ are in use; a child stands behind its parent

@@ -1,31 +1,32 @@
 #pragma once
 
-// The frame of a main.
+// The frame of a main: what all programs do alike.
 
-#include <exception>
-#include <iostream>
-#include <new>
-#include <stdexcept>
-#include <string_view>
+#include <functional>
+#include <optional>
+
+namespace CLI {
+class App;
+}
 
 namespace powderkeg {
 
-// Calls run() and returns the program's exit code: an Error, or what the library throws where
-// files, descriptors or memory fail, or standard output could not be written, becomes one line on
-// standard error, "name: what is wrong", and the code 1.
-template <typename Function>
-[[nodiscard]] int RunMain(std::string_view name, const Function& run) {
-  try {
-    run();
-    if (!std::flush(std::cout)) throw std::runtime_error("cannot write standard output");
-  } catch (const std::bad_alloc&) {
-    std::cerr << name << ": there is not enough memory\n";
-    return 1;
-  } catch (const std::exception& error) {
-    std::cerr << name << ": " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
-}
+// Exit codes.
+inline constexpr int kDone = 0;
+inline constexpr int kFailed = 1;      // or what was checked is wrong
+inline constexpr int kWrongUsage = 2;  // of the command line
+
+// "0.1.0 (GIT DESCRIPTION)", of what was built.
+[[nodiscard]] const char* Version();
+
+// Reads the command line into the options of `app`, which has a name; to those come --version, and
+// the defaults in --help. Returns the exit code if that was all: help was asked for, or the command
+// line is wrong, which one line on standard error says.
+[[nodiscard]] std::optional<int> ReadCommandLine(CLI::App& app, int argc, char** argv);
+
+// The same, and then run(), which returns the exit code. An Error, or what the library throws where
+// files, descriptors or memory fail, or that standard output cannot be written, becomes one line on
+// standard error, "name: what is wrong", and kFailed.
+[[nodiscard]] int RunMain(CLI::App& app, int argc, char** argv, const std::function<int()>& run);
 
 }  // namespace powderkeg

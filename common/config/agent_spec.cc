@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/nearest_name.h"
 
 namespace powderkeg {
 namespace {
@@ -45,7 +46,7 @@ void ReadRawNetwork(std::vector<TextField> options, AgentSpec& agent) {
   agent.model_file = TakeModel(options);
   if (!options.empty()) {
     throw Error(StrCat("agent raw: unknown option ", Quoted(options.front().name),
-                       ": expected raw:model=FILE"));
+                       ": expected raw:model=MODEL"));
   }
 }
 
@@ -78,7 +79,10 @@ AgentSpec Parse(std::string_view text, const SearchSettings& base) {
   } else if (policy) {
     throw Error(StrCat("agent ", name, ": options ", Quoted(options), ": it has none"));
   } else {
-    throw Error(StrCat("unknown agent ", Quoted(name), ": known: ", KnownAgents()));
+    std::vector<std::string_view> known = {"raw", "search"};
+    known.insert(known.end(), kScriptNames.begin(), kScriptNames.end());
+    throw Error(StrCat("unknown agent ", Quoted(name), ": known: ", KnownAgents(),
+                       DidYouMean(name, known)));
   }
   return agent;
 }
@@ -88,7 +92,7 @@ AgentSpec Parse(std::string_view text, const SearchSettings& base) {
 AgentSpec ParseAgent(std::string_view text) {
   AgentSpec agent = Parse(text, {});
   if (agent.kind == AgentSpec::Kind::kRawNetwork && agent.model_file.empty()) {
-    throw Error("agent raw: no model: expected raw:model=FILE");
+    throw Error("agent raw: no model: expected raw:model=MODEL");
   }
   return agent;
 }
@@ -103,11 +107,13 @@ AgentSpec ParsePlayersAgent(std::string_view text, const SearchSettings& base) {
   return agent;
 }
 
-bool IsScript(std::string_view name) { return PolicyKindFor(name) || name == kPessimist; }
+bool IsScript(std::string_view name) {
+  return std::ranges::find(kScriptNames, name) != kScriptNames.end();
+}
 
 std::string KnownAgents() {
-  return "idle, random, harmless, simple_unbiased, official_simple, pessimist[:OPTION=VALUE,...], "
-         "raw:model=FILE, search[:OPTION=VALUE,...][,model=FILE]";
+  return Joined(kScriptNames, ", ") +
+         "[:OPTION=VALUE,...], raw:model=MODEL, search[:OPTION=VALUE,...][,model=MODEL]";
 }
 
 std::string AgentOptionsHelp() {

@@ -19,6 +19,10 @@ inline constexpr std::array<std::string_view, 4> kEvaluatorNames = {"auto", "uni
 inline constexpr std::array<std::string_view, 5> kPrecisionNames = {"auto", "fp32", "bf16", "fp16",
                                                                     "int8"};
 
+// Agents without weights, whose name alone is one: the rule-based policies, and the pessimist.
+inline constexpr std::array<std::string_view, 6> kScriptNames = {
+    "idle", "random", "harmless", "simple_unbiased", "official_simple", "pessimist"};
+
 // An agent and, where its text says so, its model.
 struct AgentSpec {
   enum class Kind : std::uint8_t { kRuleBased, kPessimist, kRawNetwork, kSearch };
@@ -27,7 +31,7 @@ struct AgentSpec {
   PolicyKind policy = PolicyKind::kIdle;  // of kRuleBased
   PessimistSettings pessimist;            // of kPessimist
   SearchSettings search;                  // of kSearch
-  std::string model_file;                 // empty: the uniform evaluator, or named elsewhere
+  std::string model_file;  // as named; empty: the uniform evaluator, or named elsewhere
 
   [[nodiscard]] bool HasNetwork() const {
     return kind == Kind::kRawNetwork || kind == Kind::kSearch;
@@ -38,15 +42,16 @@ struct AgentSpec {
 // Reads
 //   idle, random, harmless, simple_unbiased, official_simple   a rule-based policy
 //   pessimist[:OPTION=VALUE,...]                               looks ahead on bit boards
-//   raw:model=FILE                                             the network's best move
-//   search[:OPTION=VALUE,...][,model=FILE]                     a search (search_options.inc)
-// FILE is a weights file or untrained:NETWORK. Throws Error with what is wrong and what is known.
+//   raw:model=MODEL                                            the network's best move
+//   search[:OPTION=VALUE,...][,model=MODEL]                    a search (search_options.inc)
+// MODEL is a weights file or a name (common/model/model_name.h). Throws Error with what is wrong
+// and what is known.
 [[nodiscard]] AgentSpec ParseAgent(std::string_view text);
-// The same without model=FILE, for players, whose weights are named beside the agent; a search's
+// The same without model=MODEL, for players, whose weights are named beside the agent; a search's
 // options change `base`.
 [[nodiscard]] AgentSpec ParsePlayersAgent(std::string_view text, const SearchSettings& base);
 
-// Whether the name alone is an agent without weights: a policy or pessimist.
+// Whether it is one of kScriptNames.
 [[nodiscard]] bool IsScript(std::string_view name);
 
 // What ParseAgent reads, separated by ", ": for error messages and --help.

@@ -1,36 +1,19 @@
 #include "common/config/options.h"
 
-#include <numeric>
+#include "common/base/nearest_name.h"
 
 namespace powderkeg {
 namespace {
 
 constexpr std::array<std::string_view, 2> kFlagNames = {"false", "true"};
 
-// Changes of one character that make one text the other.
-std::size_t EditDistance(std::string_view from, std::string_view to) {
-  std::vector<std::size_t> row(to.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < to.size(); ++j) {
-      const std::size_t replaced = diagonal + (from[i] == to[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
-    }
-  }
-  return row.back();
-}
-
-[[noreturn]] void RefuseName(const TextField& field, std::string_view path,
-                             const std::vector<std::string_view>& known) {
-  constexpr std::size_t kLongest = 64;  // of a name that could be meant
-  const std::string_view name = std::string_view(field.name).substr(0, kLongest);
-  const auto nearest = std::ranges::min_element(
-      known, {}, [name](std::string_view other) { return EditDistance(name, other); });
-  throw Error(StrCat(field.place, "there is no setting ", path, Quoted(name), "; did you mean ",
-                     path, *nearest, "? --help-options lists all"));
+[[noreturn]] void RefuseName(const TextField& field, std::string_view path, Names known) {
+  constexpr std::size_t kShown = 64;
+  const std::string_view nearest = NearestName(field.name, known);
+  throw Error(StrCat(field.place, "there is no setting ", path,
+                     Quoted(std::string_view(field.name).substr(0, kShown)),
+                     nearest.empty() ? "" : StrCat("; did you mean ", path, nearest, "?"),
+                     nearest.empty() ? "; " : " ", "--help-options lists all"));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "common/base/check.h"
+#include "common/base/nearest_name.h"
 #include "common/config/run_config.h"
 
 namespace powderkeg {
@@ -34,11 +35,12 @@ std::string WriteWeights(const PlayerSpec& player, const Allowed& /*allowed*/) {
   return std::string(kWeightsNames[static_cast<std::size_t>(*player.weights)]);
 }
 
-// "me, past and the policies idle, ...".
-std::string KnownNames(const std::vector<PlayerSpec>& players) {
-  std::string names;
-  for (const PlayerSpec& player : players) names += player.name + ", ";
-  return names + "idle, random, harmless, simple_unbiased, official_simple, pessimist";
+// Those that may sit in a line-up.
+std::vector<std::string_view> KnownNames(const std::vector<PlayerSpec>& players) {
+  std::vector<std::string_view> names;
+  for (const PlayerSpec& player : players) names.push_back(player.name);
+  names.insert(names.end(), kScriptNames.begin(), kScriptNames.end());
+  return names;
 }
 
 void CheckName(const std::vector<PlayerSpec>& players, const PlayerSpec& player) {
@@ -73,7 +75,7 @@ Player Resolved(const PlayerSpec& spec, const SearchSettings& search) {
   };
   if (!has_network && player.weights != Weights::kNone) refuse("has weights", "none");
   if (kind == AgentSpec::Kind::kRawNetwork && player.weights == Weights::kNone) {
-    refuse("has no weights", "newest, past or file:PATH");
+    refuse("has no weights", "newest, past or file:MODEL");
   }
   if (player.teaches == Teaches::kSearch && kind != AgentSpec::Kind::kSearch) {
     refuse("teaches search", "teaches: moves, or an agent that searches");
@@ -86,8 +88,9 @@ int NumberOf(const std::string& name, const SelfPlayConfig& config, std::vector<
   const auto player = std::ranges::find(players, name, &Player::name);
   if (player != players.end()) return static_cast<int>(player - players.begin());
   if (!IsScript(name)) {
+    const std::vector<std::string_view> known = KnownNames(config.players);
     throw Error(StrCat("self_play.lineup.seats names ", Quoted(name), "; expected one of ",
-                       KnownNames(config.players)));
+                       Joined(known, ", "), DidYouMean(name, known)));
   }
   players.push_back({.name = name, .agent = ParseAgent(name)});
   return static_cast<int>(players.size()) - 1;
@@ -152,10 +155,10 @@ OptionTable<PlayerSpec> PlayerOptions() {
       {.name = "weights",
        .allowed = kAnything,
        .help = "of its network: the run's newest (default), a past version drawn for every game, "
-               "those of a file, or none: the uniform evaluator",
+               "those of a file or model (file:ffa), or none: the uniform evaluator",
        .read = ReadWeights,
        .write = WriteWeights,
-       .expected = [](const Allowed&) { return Joined(kWeightsNames, ", ") + " or file:PATH"; }},
+       .expected = [](const Allowed&) { return Joined(kWeightsNames, ", ") + " or file:MODEL"; }},
       OptionOf<&PlayerSpec::teaches>("teaches", kAnything,
                                      "what is learned from its seat: nothing, what its search "
                                      "found, or its moves as demonstrations"),

@@ -61,11 +61,4 @@ WeightsSnapshot InitialWeights(const NetworkDescription& description, Rng rng,
   return snapshot;
 }
 
-Snapshot LoadModel(const std::string& name) {
-  constexpr std::string_view kUntrained = "untrained:";
-  if (!name.starts_with(kUntrained)) return LoadSnapshot(name);
-  const NetworkDescription network = NetworkByName(name.substr(kUntrained.size()));
-  return std::make_shared<const WeightsSnapshot>(InitialWeights(network, Rng(1)));
-}
-
 }  // namespace powderkeg

@@ -73,10 +73,6 @@ void Validate(const WeightsSnapshot& snapshot);
 void SaveSnapshot(const WeightsSnapshot& snapshot, const std::string& path);
 [[nodiscard]] Snapshot LoadSnapshot(const std::string& path);
 
-// The model that a user names: a weights file, or "untrained:NETWORK" (see NetworkByName) for fresh
-// weights, to measure speed or where training began. Throws Error.
-[[nodiscard]] Snapshot LoadModel(const std::string& name);
-
 // Answers the questions of the canary with `evaluator`. Requires as many viewers as states.
 [[nodiscard]] Canary MakeCanary(std::vector<State> states, std::vector<AgentId> viewers,
                                 Evaluator& evaluator);

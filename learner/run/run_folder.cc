@@ -21,7 +21,7 @@
 #include "common/base/name.h"
 #include "common/base/unique.h"
 #include "common/config/config.h"
-#include "common/model/weights_snapshot.h"
+#include "common/model/model_name.h"
 #include "learner/replay/demonstrations.h"
 
 namespace powderkeg {

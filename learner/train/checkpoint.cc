@@ -14,6 +14,7 @@
 #include "common/base/digest.h"
 #include "common/base/durable_file.h"
 #include "common/base/log.h"
+#include "common/model/model_name.h"
 
 // Format: "PKCHECK2", u32 CRC-32C of the rest, then
 //   u64 number of data sets, each u64 first ticket, u64 last ticket

@@ -30,8 +30,8 @@ struct Checkpoint {
 // Throws Error that says what is wrong.
 [[nodiscard]] Checkpoint DeserializeCheckpoint(std::span<const std::uint8_t> bytes);
 
-// What a run can start from: a .checkpoint file with its optimizer, or a weights file without one
-// (or untrained:NETWORK, as LoadModel). Version 1, no canary. Throws Error.
+// What a run can start from: a .checkpoint file with its optimizer, or a model (LoadModel), which
+// has none. Version 1, no canary. Throws Error.
 [[nodiscard]] TrainerState LoadFirstState(const std::string& name);
 
 // A folder of checkpoints `iteration-<number>.checkpoint`. One thread.

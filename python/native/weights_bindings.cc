@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "common/base/check.h"
+#include "common/model/model_name.h"
 #include "common/model/planes.h"
 #include "common/model/weights_format.h"
 #include "common/model/weights_snapshot.h"

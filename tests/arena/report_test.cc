@@ -26,6 +26,7 @@ SeatStatistics SomeStatistics() {
   statistics.searches = 8;
   statistics.simulations = 800;
   statistics.depth_sum = 80;
+  statistics.variation_sum = 120;
   statistics.predictions = 20;
   statistics.predictions_right = 15;
   statistics.bombs = 3;
@@ -73,6 +74,7 @@ TEST(Summary, HoldsTheFiguresOfAMatch) {
   EXPECT_DOUBLE_EQ(summary.steps.mean(), 101.5);
   EXPECT_DOUBLE_EQ(summary.moves_per_game, 10);
   EXPECT_DOUBLE_EQ(summary.mean_depth, 10);
+  EXPECT_DOUBLE_EQ(summary.variation_length, 15);
   EXPECT_DOUBLE_EQ(summary.ms_per_move, 100);
   EXPECT_DOUBLE_EQ(summary.simulations_per_s, 1600);
   EXPECT_DOUBLE_EQ(summary.mean_batch, 10);
@@ -181,6 +183,22 @@ TEST(Report, ShowsFiguresToPeople) {
   EXPECT_THAT(text, HasSubstr("question win_rate=0.1..0.9: 0.9 after 2 games"));
   EXPECT_THAT(text, HasSubstr("\n 0.500 [0.150, 0.850]   0.250   0.250   0.500   +235"));
   EXPECT_THAT(ReportText(std::vector{SomeContenders()[0]}), Not(HasSubstr("kicks  kills")));
+}
+
+TEST(Report, ShowsTheSpreadBetweenModels) {
+  std::vector<Contender> models = {ContenderOf("search:model=a", 250, MatchOf({1, 1, 0, -1})),
+                                   ContenderOf("search:model=b", 250, MatchOf({1, -1, -1, -1})),
+                                   ContenderOf("idle", 0, MatchOf({1}))};
+  EXPECT_THAT(ReportText(models), Not(HasSubstr("between")));
+  models[0].settings = models[1].settings = "search";
+  const std::string text = ReportText(models);
+  EXPECT_THAT(text, HasSubstr("\nsearch, mean +- standard deviation between 2 models\n"
+                              "  win         0.375 +- 0.177   of 8 games 0.375 [0.137, 0.694]\n"
+                              "  tie         0.125 +- 0.177   of 8 games 0.125 [0.022, 0.471]\n"));
+  EXPECT_THAT(text, HasSubstr("  variation  15.000 +- 0.000"));
+  const auto json = nlohmann::json::parse(ReportJson(models));
+  EXPECT_EQ(json["contenders"][1]["settings"], "search");
+  EXPECT_FALSE(json["contenders"][2].contains("settings"));
 }
 
 TEST(Report, IsJsonThatProgramsRead) {

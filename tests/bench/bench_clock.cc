@@ -11,6 +11,7 @@
 #include "common/base/check.h"
 #include "common/base/log.h"
 #include "common/model/evaluation_cache.h"
+#include "common/model/model_name.h"
 #include "common/onednn/onednn_evaluator.h"
 #include "common/pommerman/observation.h"
 #include "common/record/rule_based_seat.h"

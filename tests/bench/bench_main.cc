@@ -10,7 +10,9 @@
 
 #include "actors/search/tree.h"
 #include "common/base/check.h"
+#include "common/base/nearest_name.h"
 #include "common/base/run_main.h"
+#include "common/config/options.h"
 #include "common/pommerman/state.h"
 #include "tests/bench/bench_policies.h"
 #include "tests/bench/bench_search.h"
@@ -69,21 +71,27 @@ bool Contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-// Runs what the filter asks for: the suites whose name contains it, or else the figures whose full
-// name does (which means running every suite).
+// Runs what the filter asks for: suites whose name contains it, or "SUITE.PART", figures. Throws
+// Error where nothing fits.
 std::vector<BenchFigure> RunSuites(const std::string& filter) {
-  const std::vector<Suite> suites = Suites();
-  const bool names_suite = std::ranges::any_of(
-      suites, [&filter](const Suite& suite) { return Contains(suite.name, filter); });
+  const bool names_figures = Contains(filter, ".");
+  std::vector<Suite> suites = Suites();
+  std::vector<std::string> names;
+  for (const Suite& suite : suites) names.push_back(suite.name);
+  const std::vector<std::string_view> known(names.begin(), names.end());
+  std::erase_if(suites, [&](const Suite& suite) {
+    return names_figures ? !filter.starts_with(suite.name + ".") : !Contains(suite.name, filter);
+  });
   std::vector<BenchFigure> figures;
   for (const Suite& suite : suites) {
-    if (names_suite && !Contains(suite.name, filter)) continue;
     for (BenchFigure& figure : suite.run()) {
       figure.name = FullName(suite, figure.name);
-      if (names_suite || Contains(figure.name, filter)) figures.push_back(std::move(figure));
+      if (!names_figures || Contains(figure.name, filter)) figures.push_back(std::move(figure));
     }
   }
-  return figures;
+  if (!figures.empty()) return figures;
+  throw Error(StrCat("--filter ", filter, ": no such ", suites.empty() ? "suite" : "figure",
+                     "; suites: ", Joined(known, ", "), DidYouMean(filter, known)));
 }
 
 void PrintTable(const std::vector<BenchFigure>& figures) {
@@ -107,10 +115,10 @@ std::string Footer() {
   return text;
 }
 
-void Run(const std::string& filter, bool json) {
+int Run(const std::string& filter, bool json) {
   const std::vector<BenchFigure> figures = RunSuites(filter);
-  if (figures.empty()) throw Error(StrCat("no figure's name contains \"", filter, "\""));
   json ? PrintJson(figures) : PrintTable(figures);
+  return kDone;
 }
 
 }  // namespace
@@ -120,9 +128,8 @@ int main(int argc, char** argv) {
   CLI::App app("Measures the speed of rules, policies, search and networks.", "bench");
   std::string filter;
   bool json = false;
-  app.add_option("--filter", filter, "only suites, or else figures, whose name contains this");
+  app.add_option("--filter", filter, "only suites whose name contains this, or figures: SUITE.PART");
   app.add_flag("--json", json, R"(print {"NAME": {"value": ..., "unit": ...}, ...})");
   app.footer(powderkeg::Footer());
-  CLI11_PARSE(app, argc, argv);
-  return powderkeg::RunMain("bench", [&] { powderkeg::Run(filter, json); });
+  return powderkeg::RunMain(app, argc, argv, [&] { return powderkeg::Run(filter, json); });
 }

@@ -12,6 +12,7 @@
 #include "actors/selfplay/ticket_host.h"
 #include "common/base/check.h"
 #include "common/model/evaluation_cache.h"
+#include "common/model/model_name.h"
 #include "common/model/weights_snapshot.h"
 #include "tests/bench/cpu_time.h"
 #include "tests/learner/record_support.h"

@@ -53,7 +53,9 @@ TEST(ParseAgent, ReadsRawNetworks) {
 
 TEST(ParseAgent, ListsTheKnownAgentsForAnUnknownOne) {
   EXPECT_THAT(ErrorOf("simple"),
-              AllOf(HasSubstr("unknown agent simple"), HasSubstr("simple_unbiased")));
+              AllOf(HasSubstr("unknown agent simple: known: idle, random, harmless, "),
+                    HasSubstr("; did you mean simple_unbiased?")));
+  EXPECT_THAT(ErrorOf("serch:simulations=3"), HasSubstr("; did you mean search?"));
   EXPECT_THAT(ErrorOf(""), HasSubstr("unknown agent \"\""));
 }
 
@@ -65,7 +67,7 @@ TEST(ParseAgent, SaysWhatIsWrongWithOptions) {
   EXPECT_THAT(ErrorOf("search:simulations=many"),
               HasSubstr("search:simulations is many; expected a whole number from 1 to"));
   EXPECT_THAT(ErrorOf("search:simulations=3,simulations=4"), HasSubstr("twice"));
-  EXPECT_THAT(ErrorOf("raw"), HasSubstr("expected raw:model=FILE"));
+  EXPECT_THAT(ErrorOf("raw"), HasSubstr("expected raw:model=MODEL"));
   EXPECT_THAT(ErrorOf("raw:model=x,simulations=3"), HasSubstr("unknown option simulations"));
   EXPECT_THAT(ErrorOf("idle:simulations=3"), HasSubstr("idle"));
 }

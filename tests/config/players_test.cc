@@ -122,6 +122,8 @@ TEST(Players, FaultsSayWhatIsExpected) {
   EXPECT_EQ(FaultOf(me + all), "no error");
   EXPECT_THAT(FaultOf(me + "lineup { seats: 'me you me me' }"),
               HasSubstr("names you; expected one of me, idle"));
+  EXPECT_THAT(FaultOf(me + "lineup { seats: 'me simple_unbaised me me' }"),
+              HasSubstr("; did you mean simple_unbiased?"));
   EXPECT_THAT(FaultOf(me + "lineup { seats: 'me me' }"), HasSubstr("has 2 seats; expected 4 in"));
   EXPECT_THAT(FaultOf(me + all + "environment: OneVsOne-v0"), HasSubstr("has 4 seats; expected 2"));
   EXPECT_THAT(FaultOf(me + "lineup { share: 0 seats: 'me me me me' }"), HasSubstr("sum to 0"));
@@ -132,7 +134,7 @@ TEST(Players, FaultsSayWhatIsExpected) {
   EXPECT_THAT(FaultOf("player { name: 'a b' }"), HasSubstr("[A-Za-z0-9_-]"));
   EXPECT_THAT(FaultOf("player { name: me teaches: everything }"), HasSubstr("nothing, search"));
   EXPECT_THAT(FaultOf("player { name: me weights: old }"), HasSubstr("none, newest, past or file"));
-  EXPECT_THAT(FaultOf("player { name: me weights: 'file:' }"), HasSubstr("or file:PATH"));
+  EXPECT_THAT(FaultOf("player { name: me weights: 'file:' }"), HasSubstr("or file:MODEL"));
   EXPECT_THAT(FaultOf("player { name: me agent: idle teaches: search }"),
               HasSubstr("me (idle) teaches search; expected teaches: moves"));
   EXPECT_THAT(FaultOf("player { name: me agent: idle weights: newest teaches: moves }"),

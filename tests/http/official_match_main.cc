@@ -44,7 +44,6 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
                  "policies of the seats that follow the agent's; the last one fills the rest")
       ->expected(1, kAgentCount - 1);
   app.add_option("--seed", arguments.seed, "of boards and opponents");
-  app.option_defaults()->always_capture_default();
 }
 
 // What there is to play. Immutable.
@@ -236,8 +235,8 @@ int main(int argc, char** argv) {
   CLI::App app("Plays an agent behind HTTP as the official runner does.", "official_match");
   powderkeg::Arguments arguments;
   powderkeg::AddOptions(app, arguments);
-  CLI11_PARSE(app, argc, argv);
-  return powderkeg::RunMain("official_match", [&] {
+  return powderkeg::RunMain(app, argc, argv, [&] {
     powderkeg::Print(powderkeg::PlayAll(powderkeg::PlanOf(arguments), arguments));
+    return powderkeg::kDone;
   });
 }

@@ -248,12 +248,6 @@ TEST(InitialWeights, AreDeterministicAndNearlyUniform) {
   }
 }
 
-TEST(LoadModel, ReadsAFileOrMakesUntrainedWeights) {
-  EXPECT_EQ(*LoadModel("untrained:small"), InitialWeights(SmallNetwork(), Rng(1)));
-  EXPECT_THROW((void)LoadModel("untrained:huge"), Error);
-  EXPECT_THROW((void)LoadModel("no such file"), Error);
-}
-
 TEST(InitialWeights, OfPytorchAreUniformWithinTheRootOfTheFanIn) {
   const WeightsSnapshot snapshot = InitialWeights(PaperNetwork(), Rng(1), Initialisation::kPytorch);
   const auto largest = [&](const char* name) {

@@ -213,6 +213,15 @@ TEST(Search, SpendsItsSimulations) {
   EXPECT_EQ(result.expected_agents, 0b1110);
 }
 
+TEST(Search, MeasuresItsPrincipalVariation) {
+  EXPECT_EQ(SearchOnce(Quiet(1), KnownStart(1)).variation_length, 1);
+  const SearchResult result = SearchOnce(Quiet(250), KnownStart(1));
+  EXPECT_GT(result.variation_length, result.mean_depth);
+  SearchSettings plies = Quiet(2);
+  plies.tree = TreeKind::kTwoPlayer;
+  EXPECT_EQ(SearchOnce(plies, KnownStart(1)).variation_length, 1) << "its plies are one step";
+}
+
 TEST(Search, SeveralLeavesFillABatch) {
   SearchSettings settings = Quiet(200);
   settings.leaves_per_batch = 8;

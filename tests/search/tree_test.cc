@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "common/base/rng.h"
 
@@ -98,6 +99,18 @@ TEST(Tree, RenormalisesPriorsWhereAsked) {
   const Tree tree = TreeWithRoot(settings, 0b000011);
   EXPECT_FLOAT_EQ(tree[0].prior[0], 0.25F);
   EXPECT_FLOAT_EQ(tree[0].prior[1], 0.75F);
+}
+
+TEST(Tree, FlattensAndSharpensPriorsByTemperature) {
+  SearchSettings settings;
+  settings.policy_temperature = 2;
+  const Tree flat = TreeWithRoot(settings, kAll);
+  EXPECT_NEAR(std::accumulate(flat[0].prior.begin(), flat[0].prior.end(), 0.0F), 1, 1e-6);
+  EXPECT_NEAR(flat[0].prior[1] / flat[0].prior[0], std::sqrt(3), 1e-6);
+  settings.policy_temperature = 0.01;
+  const Tree sharp = TreeWithRoot(settings, kAll);
+  EXPECT_FLOAT_EQ(sharp[0].prior[1], 1);
+  EXPECT_EQ(sharp[0].prior[0], 0);
 }
 
 TEST(Tree, BackUpAveragesAlongThePath) {
