@@ -29,7 +29,7 @@ def expect(condition, reason):
         raise Failure(reason)
 
 
-def wait_for(what, condition, limit_s=60):
+def wait_for(what, condition, limit_s=60, pause_s=0.2):
     """Returns the first value of the condition that is true."""
     deadline = time.monotonic() + limit_s
     while True:
@@ -37,7 +37,7 @@ def wait_for(what, condition, limit_s=60):
         if value:
             return value
         expect(time.monotonic() < deadline, f"timed out waiting for {what}")
-        time.sleep(0.2)
+        time.sleep(pause_s)
 
 
 class Processes:

@@ -171,8 +171,8 @@ TEST(GameLibraryTest, ARunIsListedAsItGrows) {
   EXPECT_FALSE(library.Find(5));
   const GameList list = library.List();
   ASSERT_EQ(list.games.size(), 2);
-  EXPECT_EQ(list.games[1].number, 7);
-  EXPECT_EQ(list.games[1].players[2], "idle");
+  EXPECT_EQ(list.games[0].number, 7);
+  EXPECT_EQ(list.games[0].players[2], "idle");
 }
 
 TEST(GameLibraryTest, AForgedGameIsListedAndNotShown) {

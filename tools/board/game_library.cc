@@ -160,6 +160,7 @@ GameList GameLibrary::List() {
     if (!shelf.note.empty()) list.notes.push_back(shelf.note);
   }
   std::ranges::sort(list.games, {}, &ListedGame::number);
+  if (run_) std::ranges::reverse(list.games);
   return list;
 }
 

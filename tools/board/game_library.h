@@ -32,7 +32,7 @@ struct ListedGame {
 
 struct GameList {
   std::string source;              // what was asked for
-  std::vector<ListedGame> games;   // ascending
+  std::vector<ListedGame> games;   // ascending; of a run the newest first
   std::vector<std::string> notes;  // what could not be read, or is left out
 };
 
