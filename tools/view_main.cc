@@ -55,7 +55,7 @@ void Describe(CLI::App& app, Arguments& arguments) {
                  StrCat("the search that advises the person (", arguments.adviser, ")"))
       ->needs(play);
   app.add_option("--model", arguments.model,
-                 "weights file of agents that name none, or untrained:NETWORK")
+                 "weights file of searches that name none, or untrained:NETWORK")
       ->needs(play);
   app.add_option(
          "--environment", arguments.environment,
@@ -68,11 +68,11 @@ void Describe(CLI::App& app, Arguments& arguments) {
   app.footer(kExamples);
 }
 
-// An agent that searches or asks a network has the model it names, or the one given for all.
+// A search has the weights that it names, or those given for all.
 AgentSpec AgentOf(const std::string& text, const Arguments& arguments) {
-  const bool rule_based = ParseAgent(text).kind == AgentSpec::Kind::kRuleBased;
+  const bool searches = ParseAgent(text).kind == AgentSpec::Kind::kSearch;
   const bool names_model = text.find("model=") != std::string::npos;
-  if (rule_based || names_model || arguments.model.empty()) return AgentFor(text);
+  if (!searches || names_model || arguments.model.empty()) return AgentFor(text);
   const char separator = text.find(':') == std::string::npos ? ':' : ',';
   return AgentFor(StrCat(text, separator, "model=", arguments.model));
 }
