@@ -44,4 +44,16 @@ void RuleBasedAgent::Begin(const Observation& observation) {
   action_ = Decide(kind_, view, traits_, memory_, rng_);
 }
 
+void PessimistAgent::StartGame(const GameSettings& settings, AgentId /*self*/, Rng rng) {
+  settings_ = settings;
+  belief_.emplace(settings);
+  rng_ = rng;
+}
+
+void PessimistAgent::Begin(const Observation& observation) {
+  belief_->Observe(observation);
+  action_ =
+      pessimist_.Choose(settings_, belief_->state(), belief_->self(), belief_->visible(), rng_);
+}
+
 }  // namespace powderkeg
