@@ -7,11 +7,11 @@
 namespace powderkeg {
 namespace {
 
-// Of actions that are not legal, of own death in the tree, of having no way out, and of a mate's.
 constexpr int kIllegal = std::numeric_limits<int>::min();
-constexpr int kDeath = 100'000;
-constexpr int kDoom = 50'000;
-constexpr int kMateDoom = 10'000;
+constexpr int kDeath = 100'000;    // the own one, in the tree
+constexpr int kDoom = 50'000;      // to have no way out
+constexpr int kMateDoom = 10'000;  // that the mate has none
+constexpr int kBounce = 200;       // a move that led nowhere before
 // An enemy with so many pairs is as good as caught.
 constexpr int kEnemyRoom = 4;
 // Steps for which we stand in the enemies' way wherever we can go.
@@ -60,8 +60,12 @@ const BombFuture& FutureMemory::For(const GameSettings& settings, const State& s
 }
 
 Action Pessimist::Choose(const GameSettings& game, const State& state, AgentId self,
-                         BitBoard visible, Rng& rng) {
-  const std::array<int, kActionCount> values = Values(game, state, self, visible);
+                         BitBoard visible, Rng& rng, std::optional<Action> bounced) {
+  std::array<int, kActionCount> values = Values(game, state, self, visible);
+  if (bounced && rng.Below(2) == 0) {
+    int& value = values[static_cast<std::size_t>(*bounced)];
+    value = std::max(value, kIllegal + kBounce) - kBounce;
+  }
   const int best = *std::ranges::max_element(values);
   auto skipped = rng.Below(static_cast<std::uint32_t>(std::ranges::count(values, best)));
   for (std::size_t action = 0;; ++action) {
@@ -76,7 +80,7 @@ std::array<int, kActionCount> Pessimist::Values(const GameSettings& game, const 
   futures_.Clear();
   LookAround(state, visible);
   AttractBy(state);
-  const Replies replies = RepliesTo(state, visible);
+  const Replies replies = RepliesTo(state);
   depth_ = replies.count > 1 ? settings_.depth : settings_.depth + 1;
   const ActionSet legal = LegalActions(state, self);
   std::array<int, kActionCount> values;
@@ -89,14 +93,14 @@ std::array<int, kActionCount> Pessimist::Values(const GameSettings& game, const 
 
 void Pessimist::LookAround(const State& state, BitBoard visible) {
   enemies_ = 0;
-  in_the_way_ = 0;
+  in_view_ = 0;
   living_mate_ = -1;
   for (AgentId id = 0; id < kAgentCount; ++id) {
     const AgentState& agent = state.agents[id];
     if (id == self_ || !agent.alive) continue;
     if (AreEnemies(game_.mode, self_, id)) enemies_ |= static_cast<std::uint8_t>(1 << id);
     if (id == TeamMateOf(game_.mode, self_)) living_mate_ = id;
-    if (visible.Has(agent.cell)) in_the_way_ |= static_cast<std::uint8_t>(1 << id);
+    if (visible.Has(agent.cell)) in_view_ |= static_cast<std::uint8_t>(1 << id);
   }
 }
 
@@ -109,29 +113,27 @@ void Pessimist::AttractBy(const State& state) {
   attraction_.Add(state.VisibleItems(), kItemWorth);
   if (self.ammo > 0) attraction_.Add((state.wood & ~doomed).Neighbours() & ~walls, kWoodWorth);
   for (AgentId id = 0; id < kAgentCount; ++id) {
-    if (Has(enemies_, static_cast<std::size_t>(id))) {
+    if (IsEnemy(id)) {
       attraction_.Add(BitBoard::Of(state.agents[id].cell), kEnemyWorth);
     }
   }
   attraction_.Spread(~(walls | state.bomb_cells) | BitBoard::Of(self.cell));
 }
 
-Pessimist::Replies Pessimist::RepliesTo(const State& state, BitBoard visible) const {
+// The nearest enemies in view, one at a time.
+Pessimist::Replies Pessimist::RepliesTo(const State& state) const {
   Replies replies;
-  replies.actions[replies.count++] = JointAction{};
-  int near = 0;
-  for (int distance = 1; distance <= settings_.near && near < 2; ++distance) {
-    for (AgentId id = 0; id < kAgentCount && near < 2; ++id) {
+  int repliers = 0;
+  for (int distance = 1; distance <= settings_.near; ++distance) {
+    for (AgentId id = 0; id < kAgentCount && repliers < kRepliers; ++id) {
       const Cell cell = state.agents[id].cell;
-      if (!Has(enemies_, static_cast<std::size_t>(id)) || !visible.Has(cell)) continue;
+      if (!IsEnemy(id) || !Has(in_view_, static_cast<std::size_t>(id))) continue;
       if (ManhattanDistance(cell, state.agents[self_].cell) != distance) continue;
-      ++near;
+      ++repliers;
       const ActionSet legal = LegalActions(state, id);
-      for (int number = 1; number < kActionCount; ++number) {
-        if (!Has(legal, static_cast<std::size_t>(number))) continue;
-        JointAction& joint = replies.actions[replies.count++];
-        joint = {};
-        joint[id] = static_cast<Action>(number);
+      for (std::size_t action = 1; action < kActionCount; ++action) {
+        if (!Has(legal, action)) continue;
+        replies.actions[replies.count++][id] = static_cast<Action>(action);
       }
     }
   }
@@ -142,12 +144,9 @@ int Pessimist::ValueOf(const State& state, const Replies& replies, Action action
   int worst = std::numeric_limits<int>::max();
   int sum = 0;
   for (int i = 0; i < replies.count; ++i) {
-    JointAction joint = replies.actions[i];
-    joint[self_] = action;
-    State next = state;
-    Step(game_, joint, next);
-    Collapse(game_, next);
-    const int value = Best(next, depth_ - 1);
+    JointAction actions = replies.actions[i];
+    actions[self_] = action;
+    const int value = ValueAfter(state, actions, depth_ - 1);
     worst = std::min(worst, value);
     sum += value;
   }
@@ -155,19 +154,22 @@ int Pessimist::ValueOf(const State& state, const Replies& replies, Action action
   return static_cast<int>(settings_.fear * worst + (1 - settings_.fear) * mean);
 }
 
-int Pessimist::Best(const State& state, int depth) {
+int Pessimist::ValueAfter(State state, const JointAction& actions, int depth) {
+  Step(game_, actions, state);
+  Collapse(game_, state);
   if (!state.agents[self_].alive) return -kDeath;
-  if (depth == 0) return LeafValue(state);
+  return depth == 0 ? LeafValue(state) : Best(state, depth);
+}
+
+// Everybody else waits.
+int Pessimist::Best(const State& state, int depth) {
   const ActionSet legal = LegalActions(state, self_);
   int best = std::numeric_limits<int>::min();
-  for (int number = 0; number < kActionCount; ++number) {
-    if (!Has(legal, static_cast<std::size_t>(number))) continue;
-    JointAction joint{};
-    joint[self_] = static_cast<Action>(number);
-    State next = state;
-    Step(game_, joint, next);
-    Collapse(game_, next);
-    best = std::max(best, Best(next, depth - 1));
+  for (std::size_t action = 0; action < kActionCount; ++action) {
+    if (!Has(legal, action)) continue;
+    JointAction actions{};
+    actions[self_] = static_cast<Action>(action);
+    best = std::max(best, ValueAfter(state, actions, depth - 1));
   }
   return best;
 }
@@ -184,7 +186,7 @@ int Pessimist::Survivabilities(const State& state, const BombFuture& future) con
   if (value <= -kDoom) value += CountPairs(ReachableCells(future, cell, theirs));
   const CellsByStep ours = ReachableCells(future, cell, kOwnSpread);
   for (AgentId id = 0; id < kAgentCount; ++id) {
-    const bool enemy = Has(enemies_, static_cast<std::size_t>(id));
+    const bool enemy = IsEnemy(id);
     if (!enemy && id != living_mate_) continue;
     const AgentState& agent = state.agents[id];
     const CellsByStep& taken = enemy ? ours : kFree;
@@ -200,7 +202,7 @@ int Pessimist::Survivabilities(const State& state, const BombFuture& future) con
 CellsByStep Pessimist::CellsOfOthers(const State& state, const BombFuture& future) const {
   CellsByStep cells{};
   for (std::size_t id = 0; id < kAgentCount; ++id) {
-    if (!Has(in_the_way_, id) || !state.agents[id].alive) continue;
+    if (!Has(in_view_, id) || !state.agents[id].alive) continue;
     const int spread = Has(enemies_, id) ? settings_.spread : 0;
     const CellsByStep reached = ReachableCells(future, state.agents[id].cell, spread);
     for (std::size_t step = 0; step < cells.size(); ++step) cells[step] |= reached[step];
@@ -223,7 +225,7 @@ int Pessimist::EnemyValue(int pairs, bool alive) const {
 int Pessimist::Tactics(const State& state, const BombFuture& future) const {
   const AgentState& self = state.agents[self_];
   int bombs_out = 0;
-  int bomb_life = 0;
+  int bomb_life = 0;  // costs a little, so that bombs are laid for a reason and soon
   for (const Bomb& bomb : state.Bombs()) {
     if (bomb.owner() != self_) continue;
     ++bombs_out;

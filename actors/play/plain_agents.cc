@@ -48,12 +48,16 @@ void PessimistAgent::StartGame(const GameSettings& settings, AgentId /*self*/, R
   settings_ = settings;
   belief_.emplace(settings);
   rng_ = rng;
+  cell_ = kNoCell;
 }
 
 void PessimistAgent::Begin(const Observation& observation) {
   belief_->Observe(observation);
-  action_ =
-      pessimist_.Choose(settings_, belief_->state(), belief_->self(), belief_->visible(), rng_);
+  std::optional<Action> bounced;
+  if (cell_ == observation.position && IsMove(action_)) bounced = action_;
+  action_ = pessimist_.Choose(settings_, belief_->state(), belief_->self(), belief_->visible(),
+                              rng_, bounced);
+  cell_ = observation.position;
 }
 
 }  // namespace powderkeg

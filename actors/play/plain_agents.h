@@ -72,6 +72,7 @@ class PessimistAgent final : public Agent {
   GameSettings settings_;
   std::optional<Belief> belief_;
   Rng rng_;
+  Cell cell_ = kNoCell;  // when it decided last
   Action action_ = Action::kStop;
 };
 

@@ -276,7 +276,7 @@ void Search::Judge(const Outcome& outcome, Node& node) const {
   if (outcome.done && outcome.result == Result::kTie) {
     node.evaluation = ValueOfEnd(0, node);
   } else if (outcome.done) {
-    node.proven = (outcome.winners >> self_ & 1) != 0 ? 1 : -1;
+    node.proven = outcome.Won(self_) ? 1 : -1;
     node.evaluation = ValueOfEnd(node.proven, node);
   } else if (!IsTeamMode(game_.mode)) {
     node.proven = -1;
@@ -423,7 +423,7 @@ RootStatistics Search::Candidates() const {
   candidates.legal = open != 0 ? open : root.legal;
   if (root.proven > 0) candidates.legal = static_cast<ActionSet>(1U << WinningAction(root).value());
   for (std::size_t a = 0; a < kActionCount; ++a) {
-    if ((candidates.legal >> a & 1) == 0) continue;
+    if (!Has(candidates.legal, a)) continue;
     candidates.priors[a] = root.prior[a];
     candidates.visits[a] = root.visits[a];
     if (root.visits[a] > 0) candidates.values[a] = root.value[a];
