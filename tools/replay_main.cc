@@ -5,19 +5,14 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <fstream>
-#include <functional>
 #include <iostream>
-#include <memory>
 #include <string>
 #include <thread>
-#include <utility>
-#include <vector>
 
 #include "common/base/check.h"
 #include "common/base/run_main.h"
-#include "common/segment/segment_file.h"
 #include "tools/official/recorded_export.h"
-#include "tools/viewer/stored_game.h"
+#include "tools/viewer/game_source.h"
 #include "tools/viewer/viewer.h"
 
 namespace powderkeg {
@@ -31,38 +26,9 @@ struct Arguments {
   std::string export_file;
 };
 
-// The next game of a file; false at the end.
-using GameSource = std::function<bool(StoredGame& game)>;
-
-GameSource RecordedSource(const std::string& file) {
-  return [reader = std::make_shared<RecordedGameReader>(file)](StoredGame& stored) {
-    stored = {};
-    return reader->Next(stored.game);
-  };
-}
-
-GameSource SegmentSource(const std::string& file) {
-  std::vector<GameRecord> records;
-  const SegmentDamage damage =
-      ReadSegment(file, [&](GameRecord&& record) { records.push_back(std::move(record)); });
-  if (!damage.reason.empty()) {
-    std::cerr << "replay: " << file << ": " << damage.reason << "; its games of tickets "
-              << LostText(damage) << " are left out\n";
-  }
-  return [records = std::move(records), next = std::size_t{0}](StoredGame& stored) mutable {
-    if (next == records.size()) return false;
-    stored = StoredGameFrom(records[next++]);
-    return true;
-  };
-}
-
-GameSource SourceOf(const std::string& file) {
-  return file.find(".h5") != std::string::npos ? SegmentSource(file) : RecordedSource(file);
-}
-
 // The chosen game. Throws Error if the file has fewer.
 StoredGame Find(const Arguments& arguments) {
-  const GameSource next = SourceOf(arguments.file);
+  const GameSource next = OpenGames(arguments.file);
   const int wanted = std::max(arguments.game, 0);
   StoredGame stored;
   for (int number = 0; next(stored); ++number) {
@@ -103,7 +69,7 @@ int Export(const Arguments& arguments) {
     output << RecordedLines(Find(arguments).game);
     ++games;
   } else {
-    const GameSource next = SourceOf(arguments.file);
+    const GameSource next = OpenGames(arguments.file);
     for (StoredGame stored; next(stored); ++games) output << RecordedLines(stored.game);
   }
   if (!output.flush()) throw Error(StrCat("cannot write ", arguments.export_file));

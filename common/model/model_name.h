@@ -11,9 +11,7 @@ namespace powderkeg {
 // Wherever a model is named:
 //   what holds a '/' or '.' and exists   that weights file
 //   untrained:NETWORK[:SEED]             fresh weights (NetworkByName), the same for equal seeds
-//   (1) latest, latest:RUN                   the newest weights of runs/RUN, or of the run that
-//   last
-//                                        wrote some
+//   latest, latest:RUN                   the newest weights of the run that last wrote some, of RUN
 //   any other word                       models/WORD.weights
 // models/ and runs/ stand in the folder that the environment variable POWDERKEG_HOME names, or else
 // in the nearest above the program that has a models/: the repository's.

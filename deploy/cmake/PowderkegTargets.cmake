@@ -35,6 +35,13 @@ function(powderkeg_library name)
   target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE ${ARG_PRIVATE})
 endfunction()
 
+# powderkeg_page(file.html kName): file.html.cc in the binary folder, which holds the page as a text.
+function(powderkeg_page PAGE_FILE PAGE_NAME)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PAGE_FILE})
+  file(READ ${PAGE_FILE} PAGE_TEXT)
+  configure_file(${CMAKE_SOURCE_DIR}/deploy/cmake/page.cc.in ${PAGE_FILE}.cc @ONLY)
+endfunction()
+
 # powderkeg_program(name SOURCES ... LINK ...): a binary in build/<preset>/bin
 function(powderkeg_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
