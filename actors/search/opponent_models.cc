@@ -53,6 +53,7 @@ void OpponentModels::StartGame(const SearchSettings& settings, const GameSetting
     Other& other = others_[id];
     other.model.kind = KindOf(assumed);
     other.model.policy = PolicyOf(assumed);
+    other.model.foretold = assumed == OpponentModel::kPredicted;
     other.model.traits = PolicyTraits::Draw(rng);
     other.chooses = assumed == OpponentModel::kObserved;
     other.choice.Start(memory_, rng.Split(kAgentCount + id));

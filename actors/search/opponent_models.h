@@ -23,6 +23,7 @@ struct ModelledAgent {
   PolicyKind policy = PolicyKind::kIdle;  // of a kPolicy
   PolicyTraits traits;
   PolicyMemory memory;
+  bool foretold = false;  // the answer to a position is asked what it will do
 
   friend bool operator==(const ModelledAgent&, const ModelledAgent&) = default;
 };

@@ -36,6 +36,7 @@ void Tree::Reserve(std::size_t nodes, std::size_t visits) {
   if (nodes_.size() < nodes) {
     nodes_.resize(nodes);
     under_way_.resize(nodes);
+    foretold_.resize(nodes);
   }
   while (exploration_.size() <= visits) {
     const auto n = static_cast<double>(exploration_.size());
@@ -58,7 +59,10 @@ void Tree::Keep(NodeIndex node, int more) {
         parent == kNoNode ? kNoNode : moved_to_[static_cast<std::size_t>(parent)];
     if (old != node && new_parent == kNoNode) continue;
     Node& moved = (*this)[kept];
-    if (old != kept) moved = (*this)[old];
+    if (old != kept) {
+      moved = (*this)[old];
+      foretold(kept) = foretold(old);
+    }
     moved.parent = new_parent;
     if (new_parent != kNoNode) {
       (*this)[new_parent].child[static_cast<std::size_t>(moved.parent_action)] = kept;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/config/search_settings.h"
+#include "common/model/evaluator.h"
 #include "common/policies/policy.h"
 #include "common/pommerman/state.h"
 #include "common/pommerman/step.h"
@@ -18,17 +19,22 @@ namespace powderkeg {
 
 using NodeIndex = std::int32_t;
 inline constexpr NodeIndex kNoNode = -1;
+// What an evaluation foretells of the others.
+using Foretelling = decltype(Evaluation::others);
 
 // A position in which `mover` is to choose. In a one-player tree that is always the searching
 // agent. In a two-player tree a node with another mover has the position of its parent, whose
 // mover's choice is buffered in `actions` until the environment steps.
+//
+// The answer to a position may foretell the enemy as well (ModelledAgent::foretold); then the ply
+// of that enemy asks nothing, and no simulation ends in it.
 //
 // All values are the searching agent's view. Per-edge arrays are indexed by Action; those that
 // selection reads are padded to eight lanes and lie together.
 struct alignas(64) Node {
   enum class Stage : std::uint8_t {
     kNew,         // waits for its evaluation; has no edges yet
-    kEvaluated,   // the other agents have not decided yet; `actions` holds what is foretold
+    kEvaluated,   // the other agents have not decided yet
     kAsksModels,  // waits for the evaluations that network models act by
     kReady,       // `actions` holds what the models do
     kAsksMate,    // the searching agent died: waits for the mate's view, then terminal
@@ -114,6 +120,14 @@ class Tree {
   }
   [[nodiscard]] NodeIndex size() const { return size_; }
 
+  // Of a node in which the searching agent moves, if a search with foretold models evaluated it.
+  [[nodiscard]] Foretelling& foretold(NodeIndex node) {
+    return foretold_[static_cast<std::size_t>(node)];
+  }
+  [[nodiscard]] const Foretelling& foretold(NodeIndex node) const {
+    return foretold_[static_cast<std::size_t>(node)];
+  }
+
  private:
   void Reserve(std::size_t nodes, std::size_t visits);
 
@@ -126,8 +140,9 @@ class Tree {
   // [node][action]: simulations through the edge that have not ended. All 0 while none is under
   // way.
   std::vector<std::array<std::uint16_t, kActionCount>> under_way_;
-  std::vector<float> exploration_;   // [N]: c(N) sqrt(N)
-  std::vector<NodeIndex> moved_to_;  // scratch of Keep
+  std::vector<Foretelling> foretold_;  // [node]
+  std::vector<float> exploration_;     // [N]: c(N) sqrt(N)
+  std::vector<NodeIndex> moved_to_;    // scratch of Keep
 };
 
 }  // namespace powderkeg

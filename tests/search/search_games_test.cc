@@ -98,6 +98,9 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"NetworkModelsTwoPlayer", "PommeTeam-v0",
              "simulations=20,opponents=raw_network/simple_unbiased/raw_network,tree=two_player,"
              "leaves_per_batch=16"},
+        Case{"Predicted", "PommeFFA-v1", "simulations=20,opponents=predicted"},
+        Case{"PredictedTwoPlayer", "PommeRadioCompetition-v2",
+             "simulations=20,opponents=predicted,tree=two_player,leaves_per_batch=4"},
         Case{"Gumbel", "PommeFFACompetition-v0", "simulations=20,root=gumbel"},
         Case{"GumbelTeamTwoPlayer", "PommeTeam-v0",
              "simulations=20,root=gumbel,tree=two_player,leaves_per_batch=4"},

@@ -39,6 +39,7 @@ const std::vector<std::string>& OptionValues() {
       "opponents=simple_unbiased",
       "opponents=official_simple",
       "opponents=raw_network",
+      "opponents=predicted,tree=two_player",
       "opponents=raw_network,leaves_per_batch=4",
       "opponents=raw_network,tree=two_player",
       "mate_model=raw_network",

@@ -399,6 +399,42 @@ TEST(Search, PredictedModelsDoWhatTheEvaluationForetells) {
       << "one for each node, none for the models";
 }
 
+// The answer to a position tells everybody's moves: one question for each step of the environment,
+// none for the enemy's plies.
+TEST(Search, PredictedEnemyBranchesWithoutAQuestion) {
+  SearchSettings settings = Quiet(300);
+  settings.tree = TreeKind::kTwoPlayer;
+  settings.opponents.fill(OpponentModel::kPredicted);
+  Search search(settings, {});
+  Foretells evaluator;
+  search.Start(FromText(kInTheOpen), ModelsAtStart(settings, 0), Rng(1));
+  const SearchResult result = Finish(search, evaluator);
+  EXPECT_EQ(result.simulations, 300);
+  EXPECT_EQ(result.expected_agents, 0b1100) << "agent 1 is the closest: it branches";
+  std::size_t steps = 0;
+  for (NodeIndex index = 0; index < search.tree().size(); ++index) {
+    const Node& node = search.tree()[index];
+    if (node.mover == 0) {
+      steps += node.stage != Node::Stage::kTerminal ? 1 : 0;
+      continue;
+    }
+    EXPECT_EQ(node.prior[node.mover], (node.legal >> node.mover & 1) != 0 ? 200.0F / 255 : 0);
+    EXPECT_GT(node.visit_count, 0U) << "no simulation ended in it";
+  }
+  EXPECT_EQ(evaluator.questions, steps);
+  EXPECT_GT(search.tree().size(), static_cast<NodeIndex>(steps) + 10);
+}
+
+// Nothing foretold, as of who is out of sight: the steps are one-player ones.
+TEST(Search, EnemyOfWhichNothingIsForetoldDoesNotBranch) {
+  SearchSettings settings = Quiet(50);
+  settings.tree = TreeKind::kTwoPlayer;
+  settings.opponents.fill(OpponentModel::kPredicted);
+  const SearchResult result = SearchOnce(settings, FromText(kInTheOpen));
+  EXPECT_EQ(result.expected_agents, 0b1110);
+  EXPECT_EQ(result.expected_actions[1], Action::kStop);
+}
+
 TEST(Search, NetworkModelsActByTheirPolicy) {
   SearchSettings settings = Quiet(50);
   settings.opponents.fill(OpponentModel::kRawNetwork);
