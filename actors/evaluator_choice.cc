@@ -87,7 +87,7 @@ AgentSpec AgentFor(const std::string& text) {
   AgentSpec agent = ParseAgent(text);
   if (agent.kind != AgentSpec::Kind::kSearch || !Predicts(agent.search)) return agent;
   if (agent.model_file.empty() || LoadModel(agent.model_file)->description.others_hidden == 0) {
-    throw Error(StrCat("agent ", text, ": opponents=predicted with ",
+    throw Error(StrCat("agent ", text, ": opponents predicted or chosen with ",
                        agent.model_file.empty() ? "no model" : agent.model_file,
                        "; expected weights that foretell the others"));
   }

@@ -26,7 +26,7 @@ struct EvaluatorChoice {
 };
 
 // An agent in words (ParseAgent) whose model can tell what its search asks. Throws Error if it
-// cannot (opponents=predicted of weights that foretell nobody), or the words are wrong.
+// cannot (opponents predicted or chosen, of weights that foretell nobody), or the words are wrong.
 [[nodiscard]] AgentSpec AgentFor(const std::string& text);
 
 // Prepares the process for the evaluators built in. Call once, before threads start.

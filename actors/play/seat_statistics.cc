@@ -31,6 +31,7 @@ SeatStatistics& SeatStatistics::operator+=(const SeatStatistics& other) {
   depth_sum += other.depth_sum;
   predictions += other.predictions;
   predictions_right += other.predictions_right;
+  AddEach(other.taken_for, taken_for);
   bombs += other.bombs;
   kicks += other.kicks;
   kills += other.kills;

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
-#include <numeric>
 
 #include "actors/search/deciders.h"
+#include "actors/search/enemy_moves.h"
 #include "common/base/check.h"
 #include "common/pommerman/observation.h"
 
@@ -33,10 +33,6 @@ Action OnlyOne(ActionSet actions) { return static_cast<Action>(std::countr_zero(
 
 std::uint32_t AsCount(double share) {
   return static_cast<std::uint32_t>(share * kImprovedPolicyScale + 0.5);
-}
-
-int Sum(std::span<const std::uint8_t> shares) {
-  return std::accumulate(shares.begin(), shares.end(), 0);
 }
 
 bool IsAlive(const State& state, AgentId agent) {
@@ -188,7 +184,9 @@ bool Search::Simulate(EvaluationBatch& batch) {
 }
 
 Action Search::ChooseAction(NodeIndex index) {
-  return index == kRoot ? ChooseRootAction() : tree_.Select(tree_[index]);
+  if (index == kRoot) return ChooseRootAction();
+  const Node& node = tree_[index];
+  return node.side > 0 ? tree_.Select(node) : ChooseEnemyMove(settings_, tree_, node);
 }
 
 Action Search::ChooseRootAction() {
@@ -225,7 +223,10 @@ bool Search::DecideForOthers(NodeIndex index, EvaluationBatch& batch) {
     }
     const ModelledAgent& known = models_[id];
     if (known.kind == ModelledAgent::Kind::kPredicted) {
-      node.actions[id] = BestAction(Foretold(index, agent), LegalActions(node.state, agent));
+      const ActionSet legal = LegalActions(node.state, agent);
+      const ForetoldActions foretold = Foretold(index, agent);
+      node.actions[id] = settings_.predicted_drawn ? DrawnAction(foretold, legal, rng_)
+                                                   : BestAction(foretold, legal);
       continue;
     }
     const PolicyView view{node.state, game_, agent, VisibleFor(node.state, agent)};
@@ -239,7 +240,7 @@ bool Search::DecideForOthers(NodeIndex index, EvaluationBatch& batch) {
 AgentId Search::NextMover(NodeIndex index) const {
   const AgentId enemy = DeciderAfter(settings_, game_, tree_[index].state, self_);
   if (!models_[static_cast<std::size_t>(enemy)].foretold) return enemy;
-  return Sum(Foretold(index, enemy)) == 0 ? self_ : enemy;
+  return SumOf(Foretold(index, enemy), kAllActions) == 0 ? self_ : enemy;
 }
 
 NodeIndex Search::Expand(NodeIndex parent_index, Action action) {
@@ -396,6 +397,11 @@ SearchResult Search::Result() const {
   return result;
 }
 
+Foretelling Search::foretold() const {
+  const bool known = foretells_ && tree_.size() > 0 && tree_[kRoot].stage != Node::Stage::kNew;
+  return known ? tree_.foretold(kRoot) : Foretelling{};
+}
+
 // What a winning mover does: the best of the actions that are proven won, if there are any.
 std::optional<std::size_t> Search::WinningAction(const Node& node) const {
   std::optional<std::size_t> best;
@@ -465,10 +471,8 @@ bool Search::ActsByNetwork(const Node& node, AgentId agent) const {
          node.state.step - tree_[kRoot].state.step < settings_.raw_network_depth;
 }
 
-// What the answer to a node of self's tells that another agent will do, in 255ths.
-std::span<const std::uint8_t, kActionCount> Search::Foretold(NodeIndex node, AgentId agent) const {
-  const int place = (agent - self_ + kAgentCount) % kAgentCount;  // after self
-  return tree_.foretold(node)[static_cast<std::size_t>(place - 1)];
+ForetoldActions Search::Foretold(NodeIndex node, AgentId agent) const {
+  return ForetoldOf(tree_.foretold(node), self_, agent);
 }
 
 BitBoard Search::VisibleFor(const State& state, AgentId viewer) const {

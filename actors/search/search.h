@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "actors/search/ends.h"
@@ -79,6 +78,10 @@ class Search {
   // May be asked before the end as well (a clock ran out), once the root is evaluated.
   [[nodiscard]] SearchResult Result() const;
 
+  // What the evaluation of the root foretells of the others: nothing where no model asks for it, or
+  // nothing was searched.
+  [[nodiscard]] Foretelling foretold() const;
+
   [[nodiscard]] const SearchSettings& settings() const { return settings_; }
 
   // As it stands; node 0 is the root. To look at, until the next call.
@@ -128,8 +131,7 @@ class Search {
   void ExpectActions(SearchResult& result) const;
 
   [[nodiscard]] bool ActsByNetwork(const Node& node, AgentId agent) const;
-  [[nodiscard]] std::span<const std::uint8_t, kActionCount> Foretold(NodeIndex node,
-                                                                     AgentId agent) const;
+  [[nodiscard]] ForetoldActions Foretold(NodeIndex node, AgentId agent) const;
   [[nodiscard]] ActionSet LegalFor(const Node& node) const;
   [[nodiscard]] BitBoard VisibleFor(const State& state, AgentId viewer) const;
 

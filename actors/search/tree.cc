@@ -29,6 +29,7 @@ float BestValue(const Node& node) {
 Tree::Tree(const SearchSettings& settings)
     : unvisited_value_(static_cast<float>(settings.unvisited_value)),
       renormalise_priors_(settings.renormalise_priors),
+      enemies_choose_(settings.simulated_moves == SimulatedMoves::kAgainstSelf),
       c_puct_init_(settings.c_puct_init),
       c_puct_base_(settings.c_puct_base) {}
 
@@ -123,18 +124,28 @@ void Tree::SetUnvisited(Node& node, float value) {
   }
 }
 
-Action Tree::Select(const Node& node) const {
+std::array<float, Node::kLanes> Tree::Scores(const Node& node) const {
   const float exploration = exploration_[node.visit_count];
   const auto side = static_cast<float>(node.side);
-  std::array<float, Node::kLanes> score;
+  std::array<float, Node::kLanes> scores;
   for (std::size_t lane = 0; lane < Node::kLanes; ++lane) {
-    score[lane] = side * node.value[lane] + exploration * node.urge[lane];
+    scores[lane] = side * node.value[lane] + exploration * node.urge[lane];
   }
+  return scores;
+}
+
+Action Tree::Select(const Node& node) const {
+  const std::array<float, Node::kLanes> scores = Scores(node);
   std::size_t best = 0;
   for (std::size_t a = 1; a < kActionCount; ++a) {
-    if (score[a] > score[best]) best = a;
+    if (scores[a] > scores[best]) best = a;
   }
   return static_cast<Action>(best);
+}
+
+Action Tree::SelectAmong(const Node& node, ActionSet actions) const {
+  const std::array<float, Node::kLanes> scores = Scores(node);
+  return BestAction(std::span(scores).first<kActionCount>(), actions);
 }
 
 void Tree::Visit(NodeIndex index, Action action) {
@@ -175,6 +186,7 @@ void Tree::Prove(NodeIndex node) {
     Node& parent = (*this)[child.parent];
     const auto a = static_cast<std::size_t>(child.parent_action);
     parent.value[a] = value;
+    if (parent.side < 0 && !enemies_choose_) return;
     if (child.proven != parent.side) {
       parent.closed = static_cast<ActionSet>(parent.closed | 1U << a);
       RenewUrge(parent, a);

@@ -9,8 +9,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "actors/search/foretelling.h"
 #include "common/config/search_settings.h"
-#include "common/model/evaluator.h"
 #include "common/policies/policy.h"
 #include "common/pommerman/state.h"
 #include "common/pommerman/step.h"
@@ -19,8 +19,6 @@ namespace powderkeg {
 
 using NodeIndex = std::int32_t;
 inline constexpr NodeIndex kNoNode = -1;
-// What an evaluation foretells of the others.
-using Foretelling = decltype(Evaluation::others);
 
 // A position in which `mover` is to choose. In a one-player tree that is always the searching
 // agent. In a two-player tree a node with another mover has the position of its parent, whose
@@ -97,6 +95,9 @@ class Tree {
   // N is the number of visits of all edges, at least 1 (so that the first choice follows P).
   [[nodiscard]] Action Select(const Node& node) const;
 
+  // The same of some legal actions.
+  [[nodiscard]] Action SelectAmong(const Node& node, ActionSet actions) const;
+
   // c(N) sqrt(N) of that rule.
   [[nodiscard]] float Exploration(std::size_t visits) const { return exploration_[visits]; }
 
@@ -111,7 +112,7 @@ class Tree {
   // Takes in that the end `node` is proven and worth its `evaluation`, which replaces the mean
   // value of the edge to it. Closes the edge where its parent's mover would rather do anything
   // else; proves the parent where that mover would do nothing else, or has nothing else; and so on
-  // up to the root.
+  // up to the root, or to a ply whose moves follow their priors: what may happen proves nothing.
   void Prove(NodeIndex node);
 
   [[nodiscard]] Node& operator[](NodeIndex node) { return nodes_[static_cast<std::size_t>(node)]; }
@@ -129,10 +130,12 @@ class Tree {
   }
 
  private:
+  [[nodiscard]] std::array<float, Node::kLanes> Scores(const Node& node) const;
   void Reserve(std::size_t nodes, std::size_t visits);
 
   float unvisited_value_;
   bool renormalise_priors_;
+  bool enemies_choose_;  // and do not follow their priors
   double c_puct_init_;
   double c_puct_base_;
   std::vector<Node> nodes_;  // the first size_ are in use; a child stands behind its parent
