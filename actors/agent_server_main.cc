@@ -98,8 +98,8 @@ AgentSpec DescriptionOf(const std::string& text, const Arguments& arguments) {
       description.search.gumbel_first_halving = kFirstHalving;
     }
   }
-  const bool thinks = description.kind != AgentSpec::Kind::kRuleBased;
-  if (thinks && description.model_file.empty()) description.model_file = arguments.model;
+  if (description.HasNetwork() && description.model_file.empty())
+    description.model_file = arguments.model;
   return description;
 }
 
@@ -108,8 +108,7 @@ void CheckOptions(const std::vector<AgentSpec>& agents, const Arguments& argumen
   using Kind = AgentSpec::Kind;
   const bool searches = std::ranges::any_of(
       agents, [](const AgentSpec& agent) { return agent.kind == Kind::kSearch; });
-  const bool thinks = std::ranges::any_of(
-      agents, [](const AgentSpec& agent) { return agent.kind != Kind::kRuleBased; });
+  const bool thinks = std::ranges::any_of(agents, &AgentSpec::HasNetwork);
   if (!searches && (arguments.simulations > 0 || arguments.move_time_ms > 0)) {
     throw Error("--simulations and --move-time-ms: expected an agent that searches");
   }

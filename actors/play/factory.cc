@@ -7,6 +7,7 @@
 namespace powderkeg {
 std::unique_ptr<Agent> MakeAgent(const AgentSpec& spec) {
   switch (spec.kind) {
+    case AgentSpec::Kind::kPessimist: return std::make_unique<PessimistAgent>(spec.pessimist);
     case AgentSpec::Kind::kRuleBased: return std::make_unique<RuleBasedAgent>(spec.policy);
     case AgentSpec::Kind::kRawNetwork: return std::make_unique<RawNetworkAgent>();
     case AgentSpec::Kind::kSearch: return std::make_unique<SearchAgent>(spec.search);

@@ -44,4 +44,20 @@ void RuleBasedAgent::Begin(const Observation& observation) {
   action_ = Decide(kind_, view, traits_, memory_, rng_);
 }
 
+void PessimistAgent::StartGame(const GameSettings& settings, AgentId /*self*/, Rng rng) {
+  settings_ = settings;
+  belief_.emplace(settings);
+  rng_ = rng;
+  cell_ = kNoCell;
+}
+
+void PessimistAgent::Begin(const Observation& observation) {
+  belief_->Observe(observation);
+  std::optional<Action> bounced;
+  if (cell_ == observation.position && IsMove(action_)) bounced = action_;
+  action_ = pessimist_.Choose(settings_, belief_->state(), belief_->self(), belief_->visible(),
+                              rng_, bounced);
+  cell_ = observation.position;
+}
+
 }  // namespace powderkeg

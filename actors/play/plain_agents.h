@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "actors/pessimist/pessimist.h"
 #include "actors/play/agent.h"
 #include "common/policies/policy.h"
 #include "common/pommerman/belief.h"
@@ -51,6 +52,27 @@ class RuleBasedAgent final : public Agent {
   PolicyTraits traits_;
   PolicyMemory memory_;
   Rng rng_;
+  Action action_ = Action::kStop;
+};
+
+// The pessimist fed by observations; says where it is as all agents that think.
+class PessimistAgent final : public Agent {
+ public:
+  explicit PessimistAgent(const PessimistSettings& settings) : pessimist_(settings) {}
+
+  void StartGame(const GameSettings& settings, AgentId self, Rng rng) override;
+  void Begin(const Observation& observation) override;
+  bool Gather(EvaluationBatch& /*batch*/) override { return false; }
+  void Scatter(const EvaluationBatch& /*batch*/) override {}
+  [[nodiscard]] Action action() const override { return action_; }
+  [[nodiscard]] Message words() const override { return belief_->Report(action_); }
+
+ private:
+  Pessimist pessimist_;
+  GameSettings settings_;
+  std::optional<Belief> belief_;
+  Rng rng_;
+  Cell cell_ = kNoCell;  // when it decided last
   Action action_ = Action::kStop;
 };
 

@@ -10,6 +10,8 @@
 namespace powderkeg {
 namespace {
 
+constexpr std::string_view kPessimist = "pessimist";
+
 // "a=1,b=2" as fields in order. Throws Error.
 std::vector<TextField> ParseOptions(std::string_view agent, std::string_view text) {
   std::vector<TextField> options;
@@ -47,6 +49,11 @@ void ReadRawNetwork(std::vector<TextField> options, AgentSpec& agent) {
   }
 }
 
+void ReadPessimist(const std::vector<TextField>& options, AgentSpec& agent) {
+  agent.kind = AgentSpec::Kind::kPessimist;
+  ReadOptions(options, "pessimist:", PessimistOptions(), agent.pessimist);
+}
+
 void ReadSearch(std::vector<TextField> options, const SearchSettings& base, AgentSpec& agent) {
   agent.kind = AgentSpec::Kind::kSearch;
   agent.model_file = TakeModel(options);
@@ -62,6 +69,8 @@ AgentSpec Parse(std::string_view text, const SearchSettings& base) {
   const std::string_view options = has_options ? text.substr(name.size() + 1) : std::string_view();
   if (name == "raw") {
     ReadRawNetwork(ParseOptions(name, options), agent);
+  } else if (name == kPessimist) {
+    ReadPessimist(ParseOptions(name, options), agent);
   } else if (name == "search") {
     ReadSearch(ParseOptions(name, options), base, agent);
   } else if (const std::optional<PolicyKind> policy = PolicyKindFor(name); policy && !has_options) {
@@ -94,14 +103,18 @@ AgentSpec ParsePlayersAgent(std::string_view text, const SearchSettings& base) {
   return agent;
 }
 
+bool IsScript(std::string_view name) { return PolicyKindFor(name) || name == kPessimist; }
+
 std::string KnownAgents() {
-  return "idle, random, harmless, simple_unbiased, official_simple, raw:model=FILE, "
-         "search[:OPTION=VALUE,...][,model=FILE]";
+  return "idle, random, harmless, simple_unbiased, official_simple, pessimist[:OPTION=VALUE,...], "
+         "raw:model=FILE, search[:OPTION=VALUE,...][,model=FILE]";
 }
 
 std::string AgentOptionsHelp() {
   return StrCat("Options of a search, as in search:simulations=64,root=gumbel\n\n",
-                DescribeOptions(SearchOptions(), ""));
+                DescribeOptions(SearchOptions(), ""),
+                "\nOptions of a pessimist, as in pessimist:depth=3\n\n",
+                DescribeOptions(PessimistOptions(), ""));
 }
 
 }  // namespace powderkeg

@@ -38,7 +38,7 @@ std::string WriteWeights(const PlayerSpec& player, const Allowed& /*allowed*/) {
 std::string KnownNames(const std::vector<PlayerSpec>& players) {
   std::string names;
   for (const PlayerSpec& player : players) names += player.name + ", ";
-  return names + "idle, random, harmless, simple_unbiased, official_simple";
+  return names + "idle, random, harmless, simple_unbiased, official_simple, pessimist";
 }
 
 void CheckName(const std::vector<PlayerSpec>& players, const PlayerSpec& player) {
@@ -51,7 +51,7 @@ void CheckName(const std::vector<PlayerSpec>& players, const PlayerSpec& player)
     throw Error(StrCat("self_play.player.name is ", Quoted(name), "; expected ", expected));
   };
   if (!plain) refuse("1 to 64 characters of [A-Za-z0-9_-]");
-  if (PolicyKindFor(name)) refuse("another name than a policy's");
+  if (IsScript(name)) refuse("another name than a policy's");
   const bool version = name.size() > 1 && name.front() == 'v' &&
                        name.find_first_not_of("0123456789", 1) == std::string::npos;
   if (version) refuse("another name than a version's");
@@ -65,7 +65,7 @@ Player Resolved(const PlayerSpec& spec, const SearchSettings& search) {
                 .weights_file = spec.weights_file,
                 .teaches = spec.teaches};
   const AgentSpec::Kind kind = player.agent.kind;
-  const bool has_network = kind != AgentSpec::Kind::kRuleBased;
+  const bool has_network = player.agent.HasNetwork();
   player.weights = spec.weights.value_or(has_network ? Weights::kNewest : Weights::kNone);
   const auto refuse = [&](std::string_view what, std::string_view expected) {
     throw Error(StrCat("self_play.player ", spec.name, " (", spec.agent, ") ", what, "; expected ",
@@ -85,7 +85,7 @@ Player Resolved(const PlayerSpec& spec, const SearchSettings& search) {
 int NumberOf(const std::string& name, const SelfPlayConfig& config, std::vector<Player>& players) {
   const auto player = std::ranges::find(players, name, &Player::name);
   if (player != players.end()) return static_cast<int>(player - players.begin());
-  if (!PolicyKindFor(name)) {
+  if (!IsScript(name)) {
     throw Error(StrCat("self_play.lineup.seats names ", Quoted(name), "; expected one of ",
                        KnownNames(config.players)));
   }

@@ -36,6 +36,16 @@ TEST(ParseAgent, ReadsSearches) {
   EXPECT_EQ(ParseAgent("search").model_file, "");
 }
 
+TEST(ParseAgent, ReadsPessimists) {
+  EXPECT_EQ(ParseAgent("pessimist").kind, AgentSpec::Kind::kPessimist);
+  EXPECT_EQ(ParseAgent("pessimist").pessimist, PessimistSettings());
+  EXPECT_FALSE(ParseAgent("pessimist").HasNetwork());
+  EXPECT_EQ(ParseAgent("pessimist:depth=3,fear=1").pessimist.depth, 3);
+  EXPECT_THAT(ErrorOf("pessimist:depth=9"),
+              HasSubstr("pessimist:depth is 9; expected a whole number from 1 to 4"));
+  EXPECT_THAT(ErrorOf("pessimist:model=x"), HasSubstr("no setting pessimist:model"));
+}
+
 TEST(ParseAgent, ReadsRawNetworks) {
   EXPECT_EQ(ParseAgent("raw:model=x").kind, AgentSpec::Kind::kRawNetwork);
   EXPECT_EQ(ParseAgent("raw:model=x").model_file, "x");
@@ -75,6 +85,9 @@ TEST(AgentOptionsHelp, ShowsEveryOption) {
   for (const auto& option : SearchOptions()) {
     EXPECT_THAT(AgentOptionsHelp(), AllOf(HasSubstr("  " + std::string(option.name)),
                                           HasSubstr(std::string(option.help))));
+  }
+  for (const auto& option : PessimistOptions()) {
+    EXPECT_THAT(AgentOptionsHelp(), HasSubstr("  " + std::string(option.name) + " = "));
   }
 }
 

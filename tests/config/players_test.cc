@@ -103,6 +103,19 @@ TEST(Players, SitInLineups) {
   EXPECT_THAT(who.lineups[1].seats, ElementsAre(0, 4, 4, 4));
 }
 
+TEST(Players, PessimistsNeedNoPlayer) {
+  const Players who = WhoPlays(R"(
+      player { name: "me" teaches: search }
+      player { name: "deep" agent: "pessimist:depth=3" teaches: moves }
+      lineup { seats: "me pessimist deep pessimist" })");
+  ASSERT_EQ(who.players.size(), 3u);
+  EXPECT_EQ(who.players[1].agent.pessimist.depth, 3);
+  EXPECT_EQ(who.players[1].weights, Weights::kNone);
+  EXPECT_EQ(who.players[2].agent.kind, AgentSpec::Kind::kPessimist);
+  EXPECT_EQ(who.players[2].weights, Weights::kNone);
+  EXPECT_THAT(who.lineups[0].seats, ElementsAre(0, 2, 1, 2));
+}
+
 TEST(Players, FaultsSayWhatIsExpected) {
   const std::string me = "player { name: 'me' teaches: search } ";
   const std::string all = "lineup { seats: 'me me me me' } ";

@@ -10,6 +10,7 @@ namespace {
 
 TEST(MakeAgent, MakesWhatIsDescribed) {
   EXPECT_NE(dynamic_cast<RuleBasedAgent*>(MakeAgent(ParseAgent("idle")).get()), nullptr);
+  EXPECT_NE(dynamic_cast<PessimistAgent*>(MakeAgent(ParseAgent("pessimist")).get()), nullptr);
   EXPECT_NE(dynamic_cast<RawNetworkAgent*>(MakeAgent(ParseAgent("raw:model=x")).get()), nullptr);
   EXPECT_NE(dynamic_cast<SearchAgent*>(MakeAgent(ParseAgent("search")).get()), nullptr);
 }
