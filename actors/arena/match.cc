@@ -23,10 +23,6 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-int SeatCount(const GameSettings& settings) {
-  return settings.mode == Mode::kOneVsOne ? 2 : kAgentCount;
-}
-
 AgentId SeatOf(int role, int number, int seats) { return (role + number) % seats; }
 
 // Without a network, games side by side only crowd the caches.
@@ -101,7 +97,7 @@ class Scoreboard {
 // The environment's word, which ties whoever died before a tie.
 std::int8_t OfficialOutcome(const Outcome& outcome, AgentId seat) {
   if (outcome.result == Result::kTie) return 0;
-  return (outcome.winners >> seat & 1) != 0 ? 1 : -1;
+  return outcome.Won(seat) ? 1 : -1;
 }
 
 // Writes the position; "the position is saved in FILE", or why it is not.
@@ -151,7 +147,7 @@ class MatchThread final : public GameHost {
     GamePlan plan;
     plan.ticket = static_cast<std::uint64_t>(*number);
     plan.setup = SetupOf(settings_, lineup_, *number);
-    const int seats = SeatCount(settings_.game);
+    const int seats = SeatCount(settings_.game.mode);
     for (int role = 0; role < seats; ++role) {
       const AgentId seat = SeatOf(role, *number, seats);
       if (plan.setup.seats[seat].searches)
@@ -163,7 +159,7 @@ class MatchThread final : public GameHost {
 
   void GameFinished(int /*slot*/, Game& game) override {
     const GameRecord& record = game.record();
-    const int seats = SeatCount(settings_.game);
+    const int seats = SeatCount(settings_.game.mode);
     PlayedGame played;
     played.number = static_cast<int>(record.ticket);
     played.seed = record.setup.seed;
@@ -196,7 +192,7 @@ class MatchThread final : public GameHost {
     const int number = static_cast<int>(game.plan().ticket);
     std::uint64_t moves = 0;
     for (const int role : roles_) {
-      moves += game.statistics(SeatOf(role, number, SeatCount(settings_.game))).moves;
+      moves += game.statistics(SeatOf(role, number, SeatCount(settings_.game.mode))).moves;
     }
     return moves;
   }
@@ -223,7 +219,7 @@ GameSetup SetupOf(const MatchSettings& settings, const MatchLineup& lineup, int 
   setup.settings = settings.game;
   setup.start = settings.start;
   setup.seed = Rng(settings.seed).Split(static_cast<std::uint64_t>(number)).Next();
-  const int seats = SeatCount(settings.game);
+  const int seats = SeatCount(settings.game.mode);
   for (int role = 0; role < seats; ++role) {
     const AgentSpec& description = lineup[role];
     setup.seats[SeatOf(role, number, seats)] = {

@@ -1,13 +1,13 @@
 #include "actors/arena/question.h"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <optional>
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/base/number.h"
 
 namespace powderkeg {
 namespace {
@@ -18,13 +18,6 @@ constexpr std::string_view kExpected =
 
 [[noreturn]] void Refuse(std::string_view text) {
   throw Error(StrCat("question \"", text, "\": ", kExpected));
-}
-
-std::optional<double> ParseNumber(std::string_view text) {
-  double number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
 }
 
 std::optional<Question::Figure> FigureFor(std::string_view name) {
@@ -49,8 +42,8 @@ Question ParseQuestion(std::string_view text) {
     Refuse(text);
   }
   const auto figure = FigureFor(text.substr(0, equals));
-  const auto low = ParseNumber(text.substr(equals + 1, dots - equals - 1));
-  const auto high = ParseNumber(text.substr(dots + 2));
+  const auto low = ParseNumber<double>(text.substr(equals + 1, dots - equals - 1));
+  const auto high = ParseNumber<double>(text.substr(dots + 2));
   if (!figure || !low || !high) Refuse(text);
   Question question{.figure = *figure, .low = *low, .high = *high, .text = std::string(text)};
   if (!IsAskable(question)) Refuse(text);

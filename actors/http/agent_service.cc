@@ -54,7 +54,7 @@ Action StandIn(const ActionRequest& request, Rng rng) {
   PolicyMemory memory;
   const Action action = Decide(PolicyKind::kSimpleUnbiased, view, traits, memory, rng);
   // The rule also runs into walls, which is a stop.
-  const bool legal = (LegalActions(view.state, view.self) >> static_cast<int>(action) & 1) != 0;
+  const bool legal = Has(LegalActions(view.state, view.self), static_cast<std::size_t>(action));
   return legal ? action : Action::kStop;
 }
 

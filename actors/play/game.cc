@@ -146,7 +146,7 @@ void Game::RecordDecision(AgentId seat) {
 
 void Game::CountPredictions(const MoveStatistics& move, SeatStatistics& statistics) const {
   for (AgentId seat = 0; seat < kAgentCount; ++seat) {
-    if ((move.predicted_agents >> seat & 1) == 0) continue;
+    if (!Has(move.predicted_agents, seat)) continue;
     ++statistics.predictions;
     ++statistics.taken_for[static_cast<std::size_t>(move.models[seat])];
     if (move.prediction[seat] == actions_[seat]) ++statistics.predictions_right;

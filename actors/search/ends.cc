@@ -25,7 +25,7 @@ void Ends::Judge(const Outcome& outcome, AgentId self, Node& node) const {
   if (outcome.done && outcome.result == Result::kTie) {
     node.evaluation = ValueOfEnd(0, node);
   } else if (outcome.done) {
-    node.proven = (outcome.winners >> self & 1) != 0 ? 1 : -1;
+    node.proven = outcome.Won(self) ? 1 : -1;
     node.evaluation = ValueOfEnd(node.proven, node);
   } else if (!IsTeamMode(mode_)) {
     node.proven = -1;

@@ -11,7 +11,7 @@ namespace {
 std::size_t MostOwed(const Node& ply, ActionSet among) {
   auto best = static_cast<std::size_t>(std::countr_zero(among));
   for (std::size_t a = best + 1; a < kActionCount; ++a) {
-    if ((among >> a & 1) != 0 && ply.urge[a] > ply.urge[best]) best = a;
+    if (Has(among, a) && ply.urge[a] > ply.urge[best]) best = a;
   }
   return best;
 }

@@ -10,7 +10,7 @@ ForetoldActions ForetoldOf(const Foretelling& foretelling, AgentId viewer, Agent
 
 int SumOf(ForetoldActions foretold, ActionSet among) {
   int sum = 0;
-  for (std::size_t a = 0; a < kActionCount; ++a) sum += (among >> a & 1) != 0 ? foretold[a] : 0;
+  for (std::size_t a = 0; a < kActionCount; ++a) sum += Has(among, a) ? foretold[a] : 0;
   return sum;
 }
 
@@ -20,7 +20,7 @@ Action DrawnAction(ForetoldActions foretold, ActionSet legal, Rng& rng) {
   if (sum == 0) return static_cast<Action>(action);
   auto remaining = static_cast<int>(rng.Below(static_cast<std::uint32_t>(sum)));
   for (;; ++action) {
-    if ((legal >> action & 1) != 0) remaining -= foretold[action];
+    if (Has(legal, action)) remaining -= foretold[action];
     if (remaining < 0) return static_cast<Action>(action);
   }
 }

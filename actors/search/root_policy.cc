@@ -80,11 +80,11 @@ std::array<float, kActionCount> WithNoise(const SearchSettings& settings,
   Scores noise{};
   double total = 0;
   for (std::size_t a = 0; a < kActionCount; ++a) {
-    if ((legal >> a & 1) != 0) total += noise[a] = rng.Gamma(settings.noise_alpha);
+    if (Has(legal, a)) total += noise[a] = rng.Gamma(settings.noise_alpha);
   }
   std::array<float, kActionCount> mixed{};
   for (std::size_t a = 0; a < kActionCount; ++a) {
-    if ((legal >> a & 1) == 0) continue;
+    if (!Has(legal, a)) continue;
     const double share = total > 0 ? noise[a] / total : 0;
     mixed[a] = static_cast<float>((1 - settings.noise_weight) * static_cast<double>(priors[a]) +
                                   settings.noise_weight * share);

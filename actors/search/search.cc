@@ -422,7 +422,7 @@ RootStatistics Search::Candidates() const {
   candidates.legal = open != 0 ? open : root.legal;
   if (root.proven > 0) candidates.legal = static_cast<ActionSet>(1U << WinningAction(root).value());
   for (std::size_t a = 0; a < kActionCount; ++a) {
-    if ((candidates.legal >> a & 1) == 0) continue;
+    if (!Has(candidates.legal, a)) continue;
     candidates.priors[a] = root.prior[a];
     candidates.visits[a] = root.visits[a];
     if (root.visits[a] > 0) candidates.values[a] = root.value[a];

@@ -13,7 +13,7 @@ namespace {
 
 // Requires that the edge is legal.
 void RenewUrge(Node& node, std::size_t action) {
-  const bool closed = (node.closed >> action & 1) != 0;
+  const bool closed = Has(node.closed, action);
   node.urge[action] = closed ? -std::numeric_limits<float>::infinity()
                              : node.prior[action] / static_cast<float>(1 + node.visits[action]);
 }
@@ -98,7 +98,7 @@ void Tree::SetEdges(Node& node, ActionSet legal,
   node.value.fill(-side * std::numeric_limits<float>::infinity());
   float total = 0;
   for (std::size_t a = 0; a < kActionCount; ++a) {
-    const bool is_legal = (legal >> a & 1) != 0;
+    const bool is_legal = Has(legal, a);
     node.prior[a] = is_legal ? policy[a] : 0;
     if (is_legal) node.value[a] = side * unvisited_value_;
     total += node.prior[a];
@@ -112,7 +112,7 @@ void Tree::SetEdges(Node& node, ActionSet legal,
 
 void Tree::SetPriors(Node& node, std::span<const float, kActionCount> priors) {
   for (std::size_t a = 0; a < kActionCount; ++a) {
-    if ((node.legal >> a & 1) == 0) continue;
+    if (!Has(node.legal, a)) continue;
     node.prior[a] = priors[a];
     RenewUrge(node, a);
   }
@@ -120,7 +120,7 @@ void Tree::SetPriors(Node& node, std::span<const float, kActionCount> priors) {
 
 void Tree::SetUnvisited(Node& node, float value) {
   for (std::size_t a = 0; a < kActionCount; ++a) {
-    if ((node.legal >> a & 1) != 0 && node.visits[a] == 0) node.value[a] = value;
+    if (Has(node.legal, a) && node.visits[a] == 0) node.value[a] = value;
   }
 }
 

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/number.h"
 #include "common/config/settings_text.h"
 
 namespace powderkeg {
@@ -67,13 +68,12 @@ concept NumberType = std::is_arithmetic_v<Type> && !std::is_same_v<Type, bool>;
 
 template <NumberType Type>
 [[nodiscard]] bool ReadValue(std::string_view text, const Allowed& allowed, Type& value) {
-  Type number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return false;
-  const auto real = static_cast<double>(number);
+  const auto number = ParseNumber<Type>(text);
+  if (!number) return false;
+  const auto real = static_cast<double>(*number);
   const bool inside = real >= allowed.low && real <= allowed.high;
   if (!inside || (allowed.above && real == allowed.low)) return false;
-  value = number;
+  value = *number;
   return true;
 }
 template <NumberType Type>

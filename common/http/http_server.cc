@@ -4,7 +4,6 @@
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <exception>
 #include <functional>
@@ -20,6 +19,7 @@
 #include "common/base/check.h"
 #include "common/base/descriptors.h"
 #include "common/base/log.h"
+#include "common/base/number.h"
 #include "common/base/unique.h"
 #include "common/base/worker.h"
 #include "common/http/socket_stream.h"
@@ -335,12 +335,9 @@ std::optional<HttpAddress> ParseHttpAddress(std::string_view text) {
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos) return std::nullopt;
   const std::string_view host = WithoutBrackets(text.substr(0, colon));
-  const std::string_view digits = text.substr(colon + 1);
-  int port = -1;
-  const auto [end, error] = std::from_chars(digits.begin(), digits.end(), port);
-  const bool number = error == std::errc() && end == digits.end();
-  if (host.empty() || !number || port < 0 || port > kHighestPort) return std::nullopt;
-  return HttpAddress{.host = std::string(host), .port = port};
+  const auto port = ParseNumber<int>(text.substr(colon + 1));
+  if (host.empty() || !port || *port < 0 || *port > kHighestPort) return std::nullopt;
+  return HttpAddress{.host = std::string(host), .port = *port};
 }
 
 HttpReply HttpError(int status, std::string_view reason) {

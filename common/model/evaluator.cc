@@ -14,7 +14,7 @@ Action Best(std::span<const Number, kActionCount> policy, ActionSet legal) {
   CHECK(legal != 0);
   auto best = static_cast<std::size_t>(std::countr_zero(legal));
   for (std::size_t action = best + 1; action < kActionCount; ++action) {
-    if ((legal >> action & 1) != 0 && policy[action] > policy[best]) best = action;
+    if (Has(legal, action) && policy[action] > policy[best]) best = action;
   }
   return static_cast<Action>(best);
 }

@@ -22,6 +22,8 @@
 // Nothing may follow. Reading trusts no byte: lengths are checked against what is left before
 // memory is taken.
 
+#include "common/model/weights_format.h"
+
 #include <array>
 #include <cstring>
 #include <type_traits>
@@ -29,7 +31,6 @@
 #include "common/base/byte_stream.h"
 #include "common/base/check.h"
 #include "common/base/digest.h"
-#include "common/model/weights_snapshot.h"
 
 namespace powderkeg {
 namespace {
@@ -274,6 +275,19 @@ std::vector<std::uint8_t> Serialize(const WeightsSnapshot& snapshot) {
   const std::uint32_t checksum = Crc32c(std::span(bytes).subspan(kChecksummedOffset));
   std::memcpy(bytes.data() + kChecksumOffset, &checksum, sizeof(checksum));
   return bytes;
+}
+
+std::vector<std::uint8_t> SerializeCanary(const Canary& canary) {
+  ByteWriter out;
+  Write(canary, out);
+  return out.Take();
+}
+
+Canary DeserializeCanary(std::span<const std::uint8_t> bytes) {
+  ByteReader in("canary", bytes);
+  Canary canary = ReadCanary(kFormat, in);
+  in.ExpectEnd();
+  return canary;
 }
 
 WeightsSnapshot Deserialize(std::span<const std::uint8_t> bytes) {

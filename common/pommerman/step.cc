@@ -208,11 +208,11 @@ Outcome OutcomeOf(const GameSettings& settings, const State& state) {
   outcome.done = outcome.winners != 0 || living == 0 || time_is_up;
   if (outcome.done) outcome.result = outcome.winners != 0 ? Result::kWin : Result::kTie;
   for (AgentId id = 0; id < kAgentCount; ++id) {
-    if ((seats >> id & 1) == 0) continue;
-    const bool wins = (outcome.winners >> id & 1) != 0;
+    if (!Has(seats, id)) continue;
+    const bool wins = outcome.Won(id);
     outcome.rewards[id] = outcome.winners != 0
                               ? static_cast<std::int8_t>(wins ? 1 : -1)
-                              : OpenReward(settings, time_is_up, living, (living >> id & 1) != 0);
+                              : OpenReward(settings, time_is_up, living, Has(living, id));
   }
   return outcome;
 }

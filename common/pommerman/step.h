@@ -20,6 +20,10 @@ struct Outcome {
   std::uint8_t winners = 0;
   std::array<std::int8_t, kAgentCount> rewards{};  // -1, 0, +1
 
+  [[nodiscard]] constexpr bool Won(AgentId agent) const {
+    return Has(winners, static_cast<std::size_t>(agent));
+  }
+
   friend bool operator==(const Outcome&, const Outcome&) = default;
 };
 

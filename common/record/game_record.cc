@@ -229,7 +229,7 @@ int OutcomeFor(const GameRecord& record, AgentId agent) {
   const Outcome& outcome = record.outcome;
   if (!outcome.done) return record.setup.seats[agent].measured ? -1 : 0;
   if (outcome.result == Result::kTie) return 0;
-  return (outcome.winners >> agent & 1) != 0 ? 1 : -1;
+  return outcome.Won(agent) ? 1 : -1;
 }
 
 std::optional<std::string> Verify(const GameRecord& record, const StepObserver& observer) {

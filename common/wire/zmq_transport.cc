@@ -22,6 +22,7 @@
 #include "common/base/descriptors.h"
 #include "common/base/log.h"
 #include "common/base/log_budget.h"
+#include "common/base/number.h"
 #include "common/wire/connection_watch.h"
 #include "common/wire/messages.h"
 
@@ -63,9 +64,7 @@ void SetCommonOptions(zmq::socket_t& socket) {
 void ExpectPort(const std::string& endpoint) {
   if (!endpoint.starts_with("tcp://")) return;
   const std::string port = endpoint.substr(endpoint.rfind(':') + 1);
-  const bool number = !port.empty() && port.size() <= 5 &&
-                      port.find_first_not_of("0123456789") == std::string::npos;
-  if (port == "*" || (number && std::stoi(port) <= 65'535)) return;
+  if (port == "*" || ParseNumber<std::uint16_t>(port)) return;
   throw Error(StrCat("the port of ", endpoint, " is \"", port, "\"; expected 0 to 65535"));
 }
 

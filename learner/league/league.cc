@@ -1,12 +1,12 @@
 #include "learner/league/league.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numeric>
 #include <ranges>
 
 #include "common/base/check.h"
+#include "common/base/number.h"
 #include "common/record/game_setup.h"
 
 namespace powderkeg {
@@ -18,18 +18,17 @@ MatchScore Mirrored(const MatchScore& score) {
 
 Place PlaceOf(const GameResult& result, AgentId agent) {
   const Finish& finish = result.finishes[agent];
-  const bool won =
-      result.outcome.result == Result::kWin && (result.outcome.winners >> agent & 1) != 0;
-  return {.won = won, .lasted = finish.mate >= 0 ? 0 : finish.lasted};
+  return {.won = result.outcome.Won(agent), .lasted = finish.mate >= 0 ? 0 : finish.lasted};
 }
 
 // What Contestant::name() wrote.
 Contestant Named(const std::string& name) {
-  std::uint32_t version = 0;
-  const char* const end = name.data() + name.size();
-  const bool is_version = name.starts_with("v") && name.size() > 1 &&
-                          std::from_chars(name.data() + 1, end, version).ptr == end;
-  return is_version ? Contestant{.player = "", .version = version} : Contestant{.player = name};
+  if (name.starts_with("v")) {
+    if (const auto version = ParseNumber<std::uint32_t>(std::string_view(name).substr(1))) {
+      return {.player = "", .version = *version};
+    }
+  }
+  return {.player = name};
 }
 
 }  // namespace

@@ -1,27 +1,15 @@
 #include "learner/league/score_file.h"
 
 #include <array>
-#include <charconv>
 #include <fstream>
-#include <optional>
 #include <sstream>
 
 #include "common/base/check.h"
 #include "common/base/digest.h"
 #include "common/base/durable_file.h"
+#include "common/base/number.h"
 
 namespace powderkeg {
-namespace {
-
-template <typename Number>
-std::optional<Number> Parse(std::string_view text) {
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
-
-}  // namespace
 
 std::string ScoreFile::header() const {
   return StrCat("iteration,", first, ",", second, ",wins,ties,losses");
@@ -36,10 +24,10 @@ ScoreRows ScoreFile::Read(int iterations_done) const {
     std::istringstream row(line);
     std::array<std::string, 6> cells;
     for (std::string& cell : cells) std::getline(row, cell, ',');
-    const auto iteration = Parse<int>(cells[0]);
-    const auto wins = Parse<std::uint64_t>(cells[3]);
-    const auto ties = Parse<std::uint64_t>(cells[4]);
-    const auto losses = Parse<std::uint64_t>(cells[5]);
+    const auto iteration = ParseNumber<int>(cells[0]);
+    const auto wins = ParseNumber<std::uint64_t>(cells[3]);
+    const auto ties = ParseNumber<std::uint64_t>(cells[4]);
+    const auto losses = ParseNumber<std::uint64_t>(cells[5]);
     if (!iteration || !wins || !ties || !losses) {
       throw Error(StrCat(path.string(), ":", number, ": \"", line, "\"; expected ", header()));
     }

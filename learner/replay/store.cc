@@ -1,7 +1,6 @@
 #include "learner/replay/store.h"
 
 #include <algorithm>
-#include <charconv>
 #include <iomanip>
 #include <iterator>
 #include <optional>
@@ -15,6 +14,7 @@
 #include "common/base/check.h"
 #include "common/base/durable_file.h"
 #include "common/base/log.h"
+#include "common/base/number.h"
 #include "common/record/ticket_set.h"
 #include "common/segment/segment_file.h"
 
@@ -33,12 +33,8 @@ constexpr std::uint64_t kMergeBelowBytes = std::uint64_t{64} << 20;
 std::optional<std::uint64_t> SegmentNumber(const fs::path& path) {
   const std::string name = path.filename().string();
   if (!name.starts_with(kPrefix) || !name.ends_with(kEnding)) return std::nullopt;
-  const char* begin = name.data() + kPrefix.size();
-  const char* end = name.data() + name.size() - kEnding.size();
-  std::uint64_t number = 0;
-  const auto [rest, error] = std::from_chars(begin, end, number);
-  if (error != std::errc() || rest != end) return std::nullopt;
-  return number;
+  const std::size_t digits = name.size() - kPrefix.size() - kEnding.size();
+  return ParseNumber<std::uint64_t>(std::string_view(name).substr(kPrefix.size(), digits));
 }
 
 bool IsSmall(std::uint64_t bytes) { return bytes < kMergeBelowBytes; }

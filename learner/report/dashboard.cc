@@ -1,10 +1,10 @@
 #include "learner/report/dashboard.h"
 
-#include <charconv>
 #include <chrono>
 #include <string>
 
 #include "common/base/check.h"
+#include "common/base/number.h"
 #include "learner/report/figures.h"
 #include "learner/report/metrics.h"
 #include "learner/report/status_json.h"
@@ -19,12 +19,12 @@ constexpr const char* kCsv = "text/csv; charset=utf-8";
 HttpReply RowsAfter(const HttpRequest& request, const std::function<std::string(int)>& rows) {
   int after = 0;
   if (const auto found = request.parameters.find("after"); found != request.parameters.end()) {
-    const std::string& text = found->second;
-    const char* const text_end = text.data() + text.size();
-    const auto [end, error] = std::from_chars(text.data(), text_end, after);
-    if (error != std::errc() || end != text_end) {
-      return HttpError(400, StrCat("after is '", text, "', expected the number of an iteration"));
+    const auto number = ParseNumber<int>(found->second);
+    if (!number) {
+      return HttpError(
+          400, StrCat("after is '", found->second, "', expected the number of an iteration"));
     }
+    after = *number;
   }
   return {.body = rows(after), .type = kCsv};
 }

@@ -1,7 +1,6 @@
 #include "learner/report/iteration_history.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <ranges>
 #include <span>
@@ -14,6 +13,7 @@
 #include "common/base/durable_file.h"
 #include "common/base/format.h"
 #include "common/base/log.h"
+#include "common/base/number.h"
 #include "learner/report/figures.h"
 
 namespace powderkeg {
@@ -49,11 +49,7 @@ std::string Text(double value) {
 
 // nullopt: the text is no number.
 std::optional<double> NumberIn(std::string_view cell) {
-  double number = kAbsent;
-  if (cell.empty()) return number;
-  const auto [end, error] = std::from_chars(cell.begin(), cell.end(), number);
-  if (error != std::errc() || end != cell.end()) return std::nullopt;
-  return number;
+  return cell.empty() ? kAbsent : ParseNumber<double>(cell);
 }
 
 // The cells in the order of `columns`, empty where the header lacks one.

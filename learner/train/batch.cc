@@ -31,7 +31,7 @@ void AddOthers(const GameSettings& settings, const Sample& sample, Symmetry symm
       legal[turned(action)] = static_cast<float>(allowed >> action & 1);
     }
     const auto action = static_cast<int>(sample.others[static_cast<std::size_t>(i)]);
-    did[turned((allowed >> action & 1) != 0 ? action : 0)] = 1;
+    did[turned(Has(allowed, action) ? action : 0)] = 1;
   }
 }
 

@@ -172,7 +172,7 @@ std::string StepLine(const RecordedStep& step, const GameSettings& settings) {
 
 std::string EndLine(const RecordedGame& game) {
   std::array<bool, kAgentCount> won{};
-  for (AgentId id = 0; id < kAgentCount; ++id) won[id] = (game.winners >> id & 1) != 0;
+  for (AgentId id = 0; id < kAgentCount; ++id) won[id] = Has(game.winners, id);
   const std::string_view result = game.result == Result::kWin   ? "Win"
                                   : game.result == Result::kTie ? "Tie"
                                                                 : "Incomplete";

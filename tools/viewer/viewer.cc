@@ -150,7 +150,7 @@ std::string EndLine(const RecordedGame& game) {
   }
   std::string line = "won by";
   for (AgentId id = 0; id < kAgentCount; ++id) {
-    if ((game.winners >> id & 1) != 0) line += StrCat(" A", id);
+    if (Has(game.winners, id)) line += StrCat(" A", id);
   }
   return line;
 }
