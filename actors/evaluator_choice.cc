@@ -97,7 +97,7 @@ AgentSpec AgentFor(const std::string& text, const std::string& default_model) {
   }
   if (agent.kind != AgentSpec::Kind::kSearch || !Predicts(agent.search)) return agent;
   if (agent.model_file.empty() || LoadModel(agent.model_file)->description.others_hidden == 0) {
-    throw Error(StrCat("agent ", text, ": opponents=predicted with ",
+    throw Error(StrCat("agent ", text, ": opponents predicted or chosen with ",
                        named.empty() ? "no model" : named,
                        "; expected weights that foretell the others"));
   }

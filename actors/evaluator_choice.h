@@ -27,7 +27,7 @@ struct EvaluatorChoice {
 
 // An agent in words (ParseAgent) whose model is there (ResolvedModel) and can tell what its search
 // asks; `default_model` is that of agents with a network that name none. Throws Error if it cannot
-// (opponents=predicted of weights that foretell nobody), or the words are wrong.
+// (opponents predicted or chosen, of weights that foretell nobody), or the words are wrong.
 [[nodiscard]] AgentSpec AgentFor(const std::string& text, const std::string& default_model = "");
 
 // Prepares the process for the evaluators built in. Call once, before threads start.

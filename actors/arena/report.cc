@@ -61,6 +61,16 @@ std::string ActsText(const MatchSummary& summary) {
   return text + Format("  cells in 20 steps %.2f\n", summary.cells_in_window);
 }
 
+std::string TakenForText(const MatchSummary& summary) {
+  std::string text = "  opponents taken for";
+  for (std::size_t model = 0; model < kOpponentModelCount; ++model) {
+    if (summary.taken_for[model] == 0) continue;
+    text += Format("  %s %.3f", std::string(NamesOf(OpponentModel{})[model]).c_str(),
+                   summary.taken_for[model]);
+  }
+  return text + "\n";
+}
+
 std::string SearchText(const MatchSummary& summary) {
   if (summary.mean_batch == 0) return "";  // nothing was ever evaluated
   std::string text = Format(
@@ -70,6 +80,7 @@ std::string SearchText(const MatchSummary& summary) {
   if (summary.prediction_accuracy >= 0) {
     text += Format("  opponents' actions predicted at the root: %.1f %%\n",
                    100 * summary.prediction_accuracy);
+    text += TakenForText(summary);
   }
   return text;
 }
@@ -272,6 +283,10 @@ std::vector<Figure> FiguresOf(const Contender& contender) {
   for (std::size_t action = 0; action < kActionCount; ++action) {
     figures.push_back(
         {std::string("share_") + kActionNames[action], summary.action_shares[action]});
+  }
+  for (std::size_t model = 0; model < kOpponentModelCount; ++model) {
+    figures.push_back(
+        {StrCat("taken_for_", NamesOf(OpponentModel{})[model]), summary.taken_for[model]});
   }
   AddDifference(contender.difference, figures);
   return figures;

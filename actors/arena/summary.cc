@@ -44,6 +44,9 @@ void SummarizeSearch(const SeatStatistics& sum, const Match& match, MatchSummary
   summary.mean_batch = match.metrics.mean_batch();
   if (sum.predictions > 0) {
     summary.prediction_accuracy = Ratio(sum.predictions_right, sum.predictions);
+    for (std::size_t model = 0; model < kOpponentModelCount; ++model) {
+      summary.taken_for[model] = Ratio(sum.taken_for[model], sum.predictions);
+    }
   }
 }
 

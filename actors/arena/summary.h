@@ -7,6 +7,7 @@
 
 #include "actors/arena/match.h"
 #include "common/base/stats.h"
+#include "common/config/search_settings.h"
 
 namespace powderkeg {
 
@@ -25,12 +26,14 @@ struct MatchSummary {
   double simulations_per_s = 0;     // of all threads
   double mean_batch = 0;            // positions per evaluation
   double prediction_accuracy = -1;  // at the root; -1: nothing predicted
-  double bombs_per_game = 0;        // laid
-  double kicks_per_game = 0;        // bombs set rolling
-  double kills_per_game = 0;        // enemies that died in flames of its bombs
-  double mate_kills_per_game = 0;   // and mates
-  double own_deaths_per_game = 0;   // share of games in which its own bombs alone killed it
-  double cells_in_window = 0;  // distinct cells in 20 moves in a row; 0: it never lived so long
+  // Shares of these predictions by the model that its opponent was taken for.
+  std::array<double, kOpponentModelCount> taken_for{};
+  double bombs_per_game = 0;       // laid
+  double kicks_per_game = 0;       // bombs set rolling
+  double kills_per_game = 0;       // enemies that died in flames of its bombs
+  double mate_kills_per_game = 0;  // and mates
+  double own_deaths_per_game = 0;  // share of games in which its own bombs alone killed it
+  double cells_in_window = 0;      // distinct cells in 20 moves in a row; 0: it never lived so long
   std::array<double, kActionCount> action_shares{};  // sum 1
   std::array<std::uint64_t, kCellCount> heat_map{};  // moves made on each cell
 };

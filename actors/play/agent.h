@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "common/base/rng.h"
+#include "common/config/search_settings.h"
 #include "common/model/evaluator.h"
 #include "common/pommerman/observation.h"
 #include "common/pommerman/types.h"
@@ -21,6 +22,7 @@ struct MoveStatistics {
   int variation_length = 0;  // environment steps along the principal variation
   std::uint8_t predicted_agents = 0;  // bit i: prediction[i] is what agent i was expected to do
   JointAction prediction{};           // at the root, by the opponent models
+  std::array<OpponentModel, kAgentCount> models{};  // of these agents
 };
 
 // A player in split phases, so that many games share one batch of evaluations: per move Begin, then

@@ -149,6 +149,7 @@ void Game::CountPredictions(const MoveStatistics& move, SeatStatistics& statisti
   for (AgentId seat = 0; seat < kAgentCount; ++seat) {
     if (!Has(move.predicted_agents, seat)) continue;
     ++statistics.predictions;
+    ++statistics.taken_for[static_cast<std::size_t>(move.models[seat])];
     if (move.prediction[seat] == actions_[seat]) ++statistics.predictions_right;
   }
 }

@@ -27,7 +27,8 @@ void SearchAgent::Begin(const Observation& observation) {
   const Belief before = *belief_;
   belief_->Observe(observation);
   if (!first_move_) {
-    models_.ObserveStep({before.state(), before.visible()}, {belief_->state(), belief_->visible()});
+    models_.ObserveStep({before.state(), before.visible()}, {belief_->state(), belief_->visible()},
+                        search_->foretold());
   }
   first_move_ = false;
   search_->Start(belief_->state(), models_, rng_.Split(kFirstMovePurpose + observation.step));
@@ -66,6 +67,10 @@ MoveStatistics SearchAgent::move_statistics() const {
   statistics.variation_length = result().variation_length;
   statistics.prediction = result().expected_actions;
   statistics.predicted_agents = result().expected_agents;
+  for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+    if (agent == models_.self()) continue;
+    statistics.models[static_cast<std::size_t>(agent)] = ModelOf(models_.Of(agent));
+  }
   return statistics;
 }
 

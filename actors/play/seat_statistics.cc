@@ -32,6 +32,7 @@ SeatStatistics& SeatStatistics::operator+=(const SeatStatistics& other) {
   variation_sum += other.variation_sum;
   predictions += other.predictions;
   predictions_right += other.predictions_right;
+  AddEach(other.taken_for, taken_for);
   bombs += other.bombs;
   kicks += other.kicks;
   kills += other.kills;

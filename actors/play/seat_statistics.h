@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "actors/play/step_events.h"
+#include "common/config/search_settings.h"
 #include "common/pommerman/game_settings.h"
 #include "common/pommerman/types.h"
 
@@ -21,6 +22,7 @@ struct SeatStatistics {
   std::uint64_t variation_sum = 0;  // of the lengths of the principal variations
   std::uint32_t predictions = 0;    // opponents' actions predicted at the root
   std::uint32_t predictions_right = 0;
+  std::array<std::uint32_t, kOpponentModelCount> taken_for{};  // predictions by OpponentModel
 
   std::uint32_t bombs = 0;  // laid
   std::uint32_t kicks = 0;  // bombs set rolling

@@ -14,6 +14,7 @@ PolicyKind PolicyOf(OpponentModel model) {
     case OpponentModel::kOfficialSimple: return PolicyKind::kOfficialSimple;
     case OpponentModel::kSimpleUnbiased:
     case OpponentModel::kObserved:
+    case OpponentModel::kChosen:
     case OpponentModel::kPredicted:
     case OpponentModel::kRawNetwork: break;
   }
@@ -38,6 +39,22 @@ bool InView(const SeenState& seen, AgentId agent) {
 
 }  // namespace
 
+OpponentModel ModelOf(const ModelledAgent& agent) {
+  switch (agent.kind) {
+    case ModelledAgent::Kind::kPredicted: return OpponentModel::kPredicted;
+    case ModelledAgent::Kind::kNetwork: return OpponentModel::kRawNetwork;
+    case ModelledAgent::Kind::kPolicy: break;
+  }
+  switch (agent.policy) {
+    case PolicyKind::kIdle: return OpponentModel::kIdle;
+    case PolicyKind::kRandom: return OpponentModel::kRandom;
+    case PolicyKind::kHarmless: return OpponentModel::kHarmless;
+    case PolicyKind::kSimpleUnbiased: return OpponentModel::kSimpleUnbiased;
+    case PolicyKind::kOfficialSimple: break;
+  }
+  return OpponentModel::kOfficialSimple;
+}
+
 void OpponentModels::StartGame(const SearchSettings& settings, const GameSettings& game,
                                AgentId self, Rng rng) {
   memory_ = settings.memory;
@@ -53,9 +70,11 @@ void OpponentModels::StartGame(const SearchSettings& settings, const GameSetting
     Other& other = others_[id];
     other.model.kind = KindOf(assumed);
     other.model.policy = PolicyOf(assumed);
+    const bool may_be_predicted = assumed == OpponentModel::kChosen;
+    other.model.foretold = may_be_predicted || assumed == OpponentModel::kPredicted;
     other.model.traits = PolicyTraits::Draw(rng);
-    other.chooses = assumed == OpponentModel::kObserved;
-    other.choice.Start(memory_, rng.Split(kAgentCount + id));
+    other.chooses = may_be_predicted || assumed == OpponentModel::kObserved;
+    other.choice.Start(memory_, may_be_predicted, rng.Split(kAgentCount + id));
     other.rng = rng.Split(2 * kAgentCount + id);
     other.orders.Start(other.model.traits, rng.Split(id));
   }
@@ -71,13 +90,14 @@ PolicyView OpponentModels::ViewOf(const State& state, AgentId agent) const {
           game_.view_radius == 0 ? BitBoard::All() : VisibleCells(game_, cell)};
 }
 
-void OpponentModels::ObserveStep(const SeenState& before, const SeenState& after) {
+void OpponentModels::ObserveStep(const SeenState& before, const SeenState& after,
+                                 const Foretelling& foretold) {
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
     Other& other = others_[static_cast<std::size_t>(agent)];
     if (agent == self_ || !IsAlive(before.state, agent) || !InView(after, agent)) continue;
-    if (other.model.kind != ModelledAgent::Kind::kPolicy) continue;
+    if (other.model.kind != ModelledAgent::Kind::kPolicy && !other.chooses) continue;
     if (InView(before, agent)) {
-      ObserveAgent(agent, before.state, after.state, other);
+      ObserveAgent(agent, before.state, after.state, foretold, other);
     } else {
       Reappear(after.state.agents[static_cast<std::size_t>(agent)].cell, other);
     }
@@ -85,11 +105,13 @@ void OpponentModels::ObserveStep(const SeenState& before, const SeenState& after
 }
 
 void OpponentModels::ObserveAgent(AgentId agent, const State& before, const State& after,
-                                  Other& other) const {
+                                  const Foretelling& foretold, Other& other) const {
   if (memory_ == ModelMemory::kInferred) InferOrders(agent, before, after, other);
   const PolicyView view = ViewOf(before, agent);
   if (other.chooses) {
-    other.choice.Observe(view, other.model.traits, after);
+    other.choice.Observe(view, other.model.traits, after, ForetoldOf(foretold, self_, agent));
+    other.model.kind = other.choice.prefers_prediction() ? ModelledAgent::Kind::kPredicted
+                                                         : ModelledAgent::Kind::kPolicy;
     other.model.policy = other.choice.best().policy;
     other.model.memory = other.choice.best().memory;
   } else {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "actors/search/foretelling.h"
 #include "actors/search/model_choice.h"
 #include "actors/search/order_inference.h"
 #include "common/base/rng.h"
@@ -23,9 +24,13 @@ struct ModelledAgent {
   PolicyKind policy = PolicyKind::kIdle;  // of a kPolicy
   PolicyTraits traits;
   PolicyMemory memory;
+  bool foretold = false;  // kPredicted, or may become so: the answer to a position tells of it
 
   friend bool operator==(const ModelledAgent&, const ModelledAgent&) = default;
 };
+
+// The model in the words of the settings.
+[[nodiscard]] OpponentModel ModelOf(const ModelledAgent& agent);
 
 // A position as an agent believes it, and the cells that it had in view.
 struct SeenState {
@@ -45,7 +50,9 @@ class OpponentModels {
 
   // Takes in one real step. An agent that was not in view both before and after it may have done
   // anything: its model stays as it is, but that one coming into view remembers where it is.
-  void ObserveStep(const SeenState& before, const SeenState& after);
+  // `foretold` is what self's network had said of the others before the step.
+  void ObserveStep(const SeenState& before, const SeenState& after,
+                   const Foretelling& foretold = {});
 
   // For who knows what an agent hides: its model gets these traits instead of guessed ones. Once
   // per game, after StartGame; with ModelMemory::kInferred they are guessed again.
@@ -60,13 +67,14 @@ class OpponentModels {
  private:
   struct Other {
     ModelledAgent model;
-    bool chooses = false;   // the policy is chosen by `choice`
+    bool chooses = false;   // the model is chosen by `choice`
     ModelChoice choice;     // where it is
     OrderInference orders;  // where the memory setting is kInferred
     Rng rng = Rng(0);       // of guesses about its memory
   };
   [[nodiscard]] PolicyView ViewOf(const State& state, AgentId agent) const;
-  void ObserveAgent(AgentId agent, const State& before, const State& after, Other& other) const;
+  void ObserveAgent(AgentId agent, const State& before, const State& after,
+                    const Foretelling& foretold, Other& other) const;
   void InferOrders(AgentId agent, const State& before, const State& after, Other& other) const;
   void Reappear(Cell cell, Other& other) const;
 

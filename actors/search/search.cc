@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "actors/search/deciders.h"
+#include "actors/search/enemy_moves.h"
 #include "common/base/check.h"
-#include "common/model/outcome_value.h"
 #include "common/pommerman/observation.h"
 
 namespace powderkeg {
@@ -17,7 +17,6 @@ constexpr NodeIndex kRoot = 0;
 // Of one Gather, so that it returns to a caller who watches a clock also where all simulations end
 // in outcomes and ask nothing.
 constexpr int kMostSimulations = 256;
-constexpr float kOwnDeathInTeam = -0.5F;
 constexpr std::uint64_t kFullSearchPurpose = 1;  // of the generator split from a move's
 
 bool ActsAlike(const ModelledAgent& a, const ModelledAgent& b) {
@@ -46,7 +45,8 @@ Search::Search(const SearchSettings& settings, const GameSettings& game)
     : settings_(settings),
       move_(settings),
       game_(AsKnownTo(settings, game)),
-      max_steps_(game.max_steps),
+      ends_(settings, game),
+      foretells_(Predicts(settings)),
       tree_(settings) {
   pending_.reserve(static_cast<std::size_t>(settings.leaves_per_batch + kAgentCount));
 }
@@ -74,7 +74,7 @@ void Search::Start(const State& root, const OpponentModels& models, Rng rng) {
   if (foreseen == kNoNode) {
     BeginTree(root);
   } else {
-    tree_.Keep(foreseen, budget_);
+    tree_.Keep(foreseen, NodesToAdd());
   }
   BeginRoot();
 }
@@ -88,8 +88,13 @@ void Search::ChooseLength() {
   budget_ = move_.simulations;
 }
 
+// By the simulations of this move: each adds a node, and the ply of a foretold enemy before it.
+int Search::NodesToAdd() const {
+  return settings_.tree == TreeKind::kTwoPlayer ? 2 * budget_ : budget_;
+}
+
 void Search::BeginTree(const State& root) {
-  tree_.Clear(budget_ + 1);
+  tree_.Clear(1 + NodesToAdd());
   Node& node = tree_[tree_.Add(kNoNode, Action::kStop)];
   node.state = root;
   node.mover = static_cast<std::uint8_t>(self_);
@@ -170,11 +175,8 @@ bool Search::Simulate(EvaluationBatch& batch) {
     const Action action = ChooseAction(index);
     tree_.Visit(index, action);
     const NodeIndex child = node.child[static_cast<std::size_t>(action)];
-    if (child == kNoNode) {
-      index = Expand(index, action);
-      break;
-    }
-    index = child;
+    index = child == kNoNode ? Expand(index, action) : child;
+    if (child == kNoNode && tree_[index].stage != Node::Stage::kReady) break;
   }
   ++started_;
   ReachLeaf(index, batch);
@@ -182,7 +184,9 @@ bool Search::Simulate(EvaluationBatch& batch) {
 }
 
 Action Search::ChooseAction(NodeIndex index) {
-  return index == kRoot ? ChooseRootAction() : tree_.Select(tree_[index]);
+  if (index == kRoot) return ChooseRootAction();
+  const Node& node = tree_[index];
+  return node.side > 0 ? tree_.Select(node) : ChooseEnemyMove(settings_, tree_, node);
 }
 
 Action Search::ChooseRootAction() {
@@ -206,8 +210,7 @@ Action Search::ChooseRootAction() {
 // Fills in `actions` for everybody who does not choose in the tree; false if networks are asked.
 bool Search::DecideForOthers(NodeIndex index, EvaluationBatch& batch) {
   Node& node = tree_[index];
-  const JointAction foretold = node.actions;
-  node.next_mover = static_cast<std::uint8_t>(DeciderAfter(settings_, game_, node.state, self_));
+  node.next_mover = static_cast<std::uint8_t>(NextMover(index));
   node.stage = Node::Stage::kReady;
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
     const auto id = static_cast<std::size_t>(agent);
@@ -220,13 +223,24 @@ bool Search::DecideForOthers(NodeIndex index, EvaluationBatch& batch) {
     }
     const ModelledAgent& known = models_[id];
     if (known.kind == ModelledAgent::Kind::kPredicted) {
-      node.actions[id] = foretold[id];
+      const ActionSet legal = LegalActions(node.state, agent);
+      const ForetoldActions foretold = Foretold(index, agent);
+      node.actions[id] = settings_.predicted_drawn ? DrawnAction(foretold, legal, rng_)
+                                                   : BestAction(foretold, legal);
       continue;
     }
     const PolicyView view{node.state, game_, agent, VisibleFor(node.state, agent)};
     node.actions[id] = Decide(known.policy, view, known.traits, node.memories[id], rng_);
   }
   return node.stage == Node::Stage::kReady;
+}
+
+// The enemy whose moves branch in this step, or self: so where the answer should foretell that
+// enemy and says nothing of it, which is out of sight.
+AgentId Search::NextMover(NodeIndex index) const {
+  const AgentId enemy = DeciderAfter(settings_, game_, tree_[index].state, self_);
+  if (!models_[static_cast<std::size_t>(enemy)].foretold) return enemy;
+  return SumOf(Foretold(index, enemy), kAllActions) == 0 ? self_ : enemy;
 }
 
 NodeIndex Search::Expand(NodeIndex parent_index, Action action) {
@@ -240,8 +254,25 @@ NodeIndex Search::Expand(NodeIndex parent_index, Action action) {
   child.mover = parent.next_mover;
   child.next_mover = child.mover;
   child.side = child.mover == self_ ? 1 : -1;
-  if (parent.mover == parent.next_mover) StepEnvironment(parent, child);
+  if (parent.mover == parent.next_mover) {
+    StepEnvironment(parent, child);
+  } else if (models_[child.mover].foretold) {
+    BeginForetoldPly(parent_index, child);
+  }
   return index;
+}
+
+// The answer to the position in which self decides tells what the enemy will do in it, too: nothing
+// is asked, and simulations go on through the ply to the position after the step. So none ends in
+// it, and its own evaluation, that of the same answer, is never backed up.
+void Search::BeginForetoldPly(NodeIndex parent, Node& ply) const {
+  constexpr float kWhole = 255;
+  std::array<float, kActionCount> policy;
+  std::ranges::transform(Foretold(parent, ply.mover), policy.begin(),
+                         [](std::uint8_t share) { return static_cast<float>(share) / kWhole; });
+  tree_.SetEdges(ply, LegalFor(ply), policy);
+  ply.evaluation = tree_[parent].evaluation;
+  ply.stage = Node::Stage::kReady;
 }
 
 // Everybody's action is known: plays them.
@@ -251,7 +282,7 @@ void Search::StepEnvironment(const Node& parent, Node& child) {
   if (settings_.raw_network_depth > 0) ObserveNetworkMoves(parent, child);
   child.mover = child.next_mover = static_cast<std::uint8_t>(self_);
   child.side = 1;
-  Judge(outcome, child);
+  ends_.Judge(outcome, self_, child);
 }
 
 // Somebody acted otherwise than by its rule-based model, which may act next time.
@@ -266,31 +297,6 @@ void Search::ObserveNetworkMoves(const Node& parent, Node& child) const {
     if (agent == self_ || agent == parent.mover || !IsAlive(parent.state, agent)) continue;
     if (ActsByNetwork(parent, agent)) ObserveMover(parent, agent, child);
   }
-}
-
-// Whether it is over for the searching agent, and how it ended.
-void Search::Judge(const Outcome& outcome, Node& node) const {
-  const bool alive = IsAlive(node.state, self_);
-  if (!outcome.done && alive) return;
-  node.stage = Node::Stage::kTerminal;
-  if (outcome.done && outcome.result == Result::kTie) {
-    node.evaluation = ValueOfEnd(0, node);
-  } else if (outcome.done) {
-    node.proven = outcome.Won(self_) ? 1 : -1;
-    node.evaluation = ValueOfEnd(node.proven, node);
-  } else if (!IsTeamMode(game_.mode)) {
-    node.proven = -1;
-    node.evaluation = node.proven;
-  } else if (settings_.mate_value_on_death && IsAlive(node.state, TeamMateOf(game_.mode, self_))) {
-    node.stage = Node::Stage::kAsksMate;
-  } else {
-    node.evaluation = kOwnDeathInTeam;
-  }
-}
-
-float Search::ValueOfEnd(int outcome, const Node& node) const {
-  return ValueOf({.draw = settings_.draw_value, .late_win = settings_.late_win_value}, outcome,
-                 std::min<int>(node.state.step, max_steps_), max_steps_);
 }
 
 void Search::ReachLeaf(NodeIndex leaf, EvaluationBatch& batch) {
@@ -330,23 +336,11 @@ void Search::TakeEvaluation(NodeIndex index, const Evaluation& evaluation) {
   tree_.SetEdges(node, LegalFor(node), evaluation.policy);
   node.evaluation = static_cast<float>(node.side) * evaluation.value;
   node.stage = node.mover == self_ ? Node::Stage::kEvaluated : Node::Stage::kReady;
-  if (node.mover == self_) Foretell(evaluation, node);
+  if (foretells_) tree_.foretold(index) = evaluation.others;
   if (index == kRoot) {
     BeginRoot();
   } else {
     EndSimulation(index);
-  }
-}
-
-// `actions` keeps what is foretold until the others decide.
-void Search::Foretell(const Evaluation& evaluation, Node& node) const {
-  for (AgentId after = 1; after < kAgentCount; ++after) {
-    const AgentId agent = (self_ + after) % kAgentCount;
-    const auto id = static_cast<std::size_t>(agent);
-    if (models_[id].kind != ModelledAgent::Kind::kPredicted || !IsAlive(node.state, agent))
-      continue;
-    node.actions[id] = BestAction(evaluation.others[static_cast<std::size_t>(after) - 1],
-                                  LegalActions(node.state, agent));
   }
 }
 
@@ -413,6 +407,11 @@ int Search::VariationLength(Action first) const {
                                                 node->visits.begin())];
   }
   return node->state.step - tree_[kRoot].state.step;
+}
+
+Foretelling Search::foretold() const {
+  const bool known = foretells_ && tree_.size() > 0 && tree_[kRoot].stage != Node::Stage::kNew;
+  return known ? tree_.foretold(kRoot) : Foretelling{};
 }
 
 // What a winning mover does: the best of the actions that are proven won, if there are any.
@@ -482,6 +481,10 @@ ActionSet Search::LegalFor(const Node& node) const {
 bool Search::ActsByNetwork(const Node& node, AgentId agent) const {
   return models_[static_cast<std::size_t>(agent)].kind == ModelledAgent::Kind::kNetwork ||
          node.state.step - tree_[kRoot].state.step < settings_.raw_network_depth;
+}
+
+ForetoldActions Search::Foretold(NodeIndex node, AgentId agent) const {
+  return ForetoldOf(tree_.foretold(node), self_, agent);
 }
 
 BitBoard Search::VisibleFor(const State& state, AgentId viewer) const {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "actors/search/ends.h"
 #include "actors/search/gumbel_root.h"
 #include "actors/search/opponent_models.h"
 #include "actors/search/root_policy.h"
@@ -79,6 +80,10 @@ class Search {
   // May be asked before the end as well (a clock ran out), once the root is evaluated.
   [[nodiscard]] SearchResult Result() const;
 
+  // What the evaluation of the root foretells of the others: nothing where no model asks for it, or
+  // nothing was searched.
+  [[nodiscard]] Foretelling foretold() const;
+
   [[nodiscard]] const SearchSettings& settings() const { return settings_; }
 
   // As it stands; node 0 is the root. To look at, until the next call.
@@ -94,6 +99,7 @@ class Search {
 
   // Start
   void ChooseLength();
+  [[nodiscard]] int NodesToAdd() const;
   void BeginTree(const State& root);
   [[nodiscard]] NodeIndex FindForeseen(const State& root, NodeIndex parent) const;
   void BeginRoot();
@@ -105,18 +111,17 @@ class Search {
   [[nodiscard]] Action ChooseRootAction();
   [[nodiscard]] bool AwaitsAnswers() const;
   bool DecideForOthers(NodeIndex node, EvaluationBatch& batch);
+  [[nodiscard]] AgentId NextMover(NodeIndex node) const;
   NodeIndex Expand(NodeIndex parent, Action action);
+  void BeginForetoldPly(NodeIndex parent, Node& ply) const;
   void StepEnvironment(const Node& parent, Node& child);
   void ObserveMover(const Node& parent, AgentId agent, Node& child) const;
   void ObserveNetworkMoves(const Node& parent, Node& child) const;
-  void Judge(const Outcome& outcome, Node& node) const;
-  [[nodiscard]] float ValueOfEnd(int outcome, const Node& node) const;
   void ReachLeaf(NodeIndex leaf, EvaluationBatch& batch);
   void Ask(NodeIndex node, AgentId viewer, EvaluationBatch& batch);
 
   // Scatter
   void TakeEvaluation(NodeIndex node, const Evaluation& evaluation);
-  void Foretell(const Evaluation& evaluation, Node& node) const;
   void TakeMateValue(NodeIndex node, float value);
   void TakeModelPolicy(Node& node, AgentId agent, const Evaluation& evaluation) const;
   void EndSimulation(NodeIndex leaf);
@@ -129,13 +134,15 @@ class Search {
   void ExpectActions(SearchResult& result) const;
 
   [[nodiscard]] bool ActsByNetwork(const Node& node, AgentId agent) const;
+  [[nodiscard]] ForetoldActions Foretold(NodeIndex node, AgentId agent) const;
   [[nodiscard]] ActionSet LegalFor(const Node& node) const;
   [[nodiscard]] BitBoard VisibleFor(const State& state, AgentId viewer) const;
 
   SearchSettings settings_;
   SearchSettings move_;  // the same for this move: a fast search differs
   GameSettings game_;    // as the search knows it: without a step limit if that setting is off
-  int max_steps_;        // the limit that values of wins are measured by
+  Ends ends_;
+  bool foretells_;  // somebody is foretold
   AgentId self_ = 0;
   std::array<ModelledAgent, kAgentCount> models_;
   Rng rng_;

@@ -46,6 +46,7 @@ Tree::Tree(const SearchSettings& settings)
     : unvisited_value_(static_cast<float>(settings.unvisited_value)),
       renormalise_priors_(settings.renormalise_priors),
       policy_temperature_(settings.policy_temperature),
+      enemies_choose_(settings.simulated_moves == SimulatedMoves::kAgainstSelf),
       c_puct_init_(settings.c_puct_init),
       c_puct_base_(settings.c_puct_base) {}
 
@@ -53,6 +54,7 @@ void Tree::Reserve(std::size_t nodes, std::size_t visits) {
   if (nodes_.size() < nodes) {
     nodes_.resize(nodes);
     under_way_.resize(nodes);
+    foretold_.resize(nodes);
   }
   while (exploration_.size() <= visits) {
     const auto n = static_cast<double>(exploration_.size());
@@ -75,7 +77,10 @@ void Tree::Keep(NodeIndex node, int more) {
         parent == kNoNode ? kNoNode : moved_to_[static_cast<std::size_t>(parent)];
     if (old != node && new_parent == kNoNode) continue;
     Node& moved = (*this)[kept];
-    if (old != kept) moved = (*this)[old];
+    if (old != kept) {
+      moved = (*this)[old];
+      foretold(kept) = foretold(old);
+    }
     moved.parent = new_parent;
     if (new_parent != kNoNode) {
       (*this)[new_parent].child[static_cast<std::size_t>(moved.parent_action)] = kept;
@@ -141,18 +146,28 @@ void Tree::SetUnvisited(Node& node, float value) {
   }
 }
 
-Action Tree::Select(const Node& node) const {
+std::array<float, Node::kLanes> Tree::Scores(const Node& node) const {
   const float exploration = exploration_[node.visit_count];
   const auto side = static_cast<float>(node.side);
-  std::array<float, Node::kLanes> score;
+  std::array<float, Node::kLanes> scores;
   for (std::size_t lane = 0; lane < Node::kLanes; ++lane) {
-    score[lane] = side * node.value[lane] + exploration * node.urge[lane];
+    scores[lane] = side * node.value[lane] + exploration * node.urge[lane];
   }
+  return scores;
+}
+
+Action Tree::Select(const Node& node) const {
+  const std::array<float, Node::kLanes> scores = Scores(node);
   std::size_t best = 0;
   for (std::size_t a = 1; a < kActionCount; ++a) {
-    if (score[a] > score[best]) best = a;
+    if (scores[a] > scores[best]) best = a;
   }
   return static_cast<Action>(best);
+}
+
+Action Tree::SelectAmong(const Node& node, ActionSet actions) const {
+  const std::array<float, Node::kLanes> scores = Scores(node);
+  return BestAction(std::span(scores).first<kActionCount>(), actions);
 }
 
 void Tree::Visit(NodeIndex index, Action action) {
@@ -193,6 +208,7 @@ void Tree::Prove(NodeIndex node) {
     Node& parent = (*this)[child.parent];
     const auto a = static_cast<std::size_t>(child.parent_action);
     parent.value[a] = value;
+    if (parent.side < 0 && !enemies_choose_) return;
     if (child.proven != parent.side) {
       parent.closed = static_cast<ActionSet>(parent.closed | 1U << a);
       RenewUrge(parent, a);

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "actors/search/foretelling.h"
 #include "common/config/search_settings.h"
 #include "common/policies/policy.h"
 #include "common/pommerman/state.h"
@@ -23,12 +24,15 @@ inline constexpr NodeIndex kNoNode = -1;
 // agent. In a two-player tree a node with another mover has the position of its parent, whose
 // mover's choice is buffered in `actions` until the environment steps.
 //
+// The answer to a position may foretell the enemy as well (ModelledAgent::foretold); then the ply
+// of that enemy asks nothing, and no simulation ends in it.
+//
 // All values are the searching agent's view. Per-edge arrays are indexed by Action; those that
 // selection reads are padded to eight lanes and lie together.
 struct alignas(64) Node {
   enum class Stage : std::uint8_t {
     kNew,         // waits for its evaluation; has no edges yet
-    kEvaluated,   // the other agents have not decided yet; `actions` holds what is foretold
+    kEvaluated,   // the other agents have not decided yet
     kAsksModels,  // waits for the evaluations that network models act by
     kReady,       // `actions` holds what the models do
     kAsksMate,    // the searching agent died: waits for the mate's view, then terminal
@@ -91,6 +95,9 @@ class Tree {
   // N is the number of visits of all edges, at least 1 (so that the first choice follows P).
   [[nodiscard]] Action Select(const Node& node) const;
 
+  // The same of some legal actions.
+  [[nodiscard]] Action SelectAmong(const Node& node, ActionSet actions) const;
+
   // c(N) sqrt(N) of that rule.
   [[nodiscard]] float Exploration(std::size_t visits) const { return exploration_[visits]; }
 
@@ -105,7 +112,7 @@ class Tree {
   // Takes in that the end `node` is proven and worth its `evaluation`, which replaces the mean
   // value of the edge to it. Closes the edge where its parent's mover would rather do anything
   // else; proves the parent where that mover would do nothing else, or has nothing else; and so on
-  // up to the root.
+  // up to the root, or to a ply whose moves follow their priors: what may happen proves nothing.
   void Prove(NodeIndex node);
 
   [[nodiscard]] Node& operator[](NodeIndex node) { return nodes_[static_cast<std::size_t>(node)]; }
@@ -114,12 +121,22 @@ class Tree {
   }
   [[nodiscard]] NodeIndex size() const { return size_; }
 
+  // Of a node in which the searching agent moves, if a search with foretold models evaluated it.
+  [[nodiscard]] Foretelling& foretold(NodeIndex node) {
+    return foretold_[static_cast<std::size_t>(node)];
+  }
+  [[nodiscard]] const Foretelling& foretold(NodeIndex node) const {
+    return foretold_[static_cast<std::size_t>(node)];
+  }
+
  private:
+  [[nodiscard]] std::array<float, Node::kLanes> Scores(const Node& node) const;
   void Reserve(std::size_t nodes, std::size_t visits);
 
   float unvisited_value_;
   bool renormalise_priors_;
   double policy_temperature_;
+  bool enemies_choose_;  // and do not follow their priors
   double c_puct_init_;
   double c_puct_base_;
   std::vector<Node> nodes_;  // the first size_ are in use; a child stands behind its parent
@@ -127,8 +144,9 @@ class Tree {
   // [node][action]: simulations through the edge that have not ended. All 0 while none is under
   // way.
   std::vector<std::array<std::uint16_t, kActionCount>> under_way_;
-  std::vector<float> exploration_;   // [N]: c(N) sqrt(N)
-  std::vector<NodeIndex> moved_to_;  // scratch of Keep
+  std::vector<Foretelling> foretold_;  // [node]
+  std::vector<float> exploration_;     // [N]: c(N) sqrt(N)
+  std::vector<NodeIndex> moved_to_;    // scratch of Keep
 };
 
 }  // namespace powderkeg

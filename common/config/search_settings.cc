@@ -9,10 +9,11 @@ namespace {
 
 constexpr std::array<std::string_view, 2> kTreeNames = {"one_player", "two_player"};
 constexpr std::array<std::string_view, 2> kSimulatedOpponentNames = {"closest", "most_dangerous"};
+constexpr std::array<std::string_view, 2> kSimulatedMovesNames = {"against_self", "as_foretold"};
 constexpr std::array<std::string_view, 2> kRootNames = {"puct", "gumbel"};
-constexpr std::array<std::string_view, 8> kModelNames = {
+constexpr std::array<std::string_view, kOpponentModelCount> kModelNames = {
     "idle",      "random",      "harmless", "simple_unbiased", "official_simple",
-    "predicted", "raw_network", "observed"};
+    "predicted", "raw_network", "observed", "chosen"};
 constexpr std::array<std::string_view, 3> kMemoryNames = {"reset", "synchronized", "inferred"};
 constexpr std::array<std::string_view, 4> kPresetNames = {"default", "paper", "gumbel", "katago"};
 
@@ -44,14 +45,17 @@ Option<SearchSettings> PresetOption() {
 
 Names NamesOf(TreeKind) { return kTreeNames; }
 Names NamesOf(SimulatedOpponent) { return kSimulatedOpponentNames; }
+Names NamesOf(SimulatedMoves) { return kSimulatedMovesNames; }
 Names NamesOf(RootSearch) { return kRootNames; }
 Names NamesOf(OpponentModel) { return kModelNames; }
 Names NamesOf(ModelMemory) { return kMemoryNames; }
 
 bool Predicts(const SearchSettings& settings) {
-  return settings.mate_model == OpponentModel::kPredicted ||
-         std::ranges::find(settings.opponents, OpponentModel::kPredicted) !=
-             settings.opponents.end();
+  const auto asks = [](OpponentModel model) {
+    return model == OpponentModel::kPredicted || model == OpponentModel::kChosen;
+  };
+  return (settings.mate_model && asks(*settings.mate_model)) ||
+         std::ranges::any_of(settings.opponents, asks);
 }
 
 SearchSettings PaperSettings() {

@@ -3,6 +3,7 @@
 // How a search thinks. Every option with its range, default and meaning: search_options.inc.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -23,6 +24,12 @@ enum class SimulatedOpponent : std::uint8_t {
                    // closest; without one, the closest
 };
 
+// How it moves.
+enum class SimulatedMoves : std::uint8_t {
+  kAgainstSelf,  // to the searching agent's harm: backed up tends to be the worst outcome
+  kAsForetold,   // each move as often as its prior says: the mean over outcomes
+};
+
 // How the simulations are shared out among the actions of the root.
 enum class RootSearch : std::uint8_t {
   kPuct,    // as inside the tree, with noise
@@ -41,8 +48,10 @@ enum class OpponentModel : std::uint8_t {
   kPredicted,   // what the evaluation of the position foretells of it: asks nothing more. Nothing
                 // (a stop) where the network foretells nobody or the agent is out of sight
   kRawNetwork,  // argmax of the network's policy for that agent over its legal actions
-  kObserved,    // the rule-based policy that foretold its actions in this game best so far
+  kObserved,    // the rule-based policy that explains its actions in this game best so far
+  kChosen,      // the same, or kPredicted if that explains them better (model_choice.h)
 };
+inline constexpr std::size_t kOpponentModelCount = 9;
 using ModelOfEach = std::array<OpponentModel, 3>;  // of the three others
 inline constexpr ModelOfEach kAllObserved = {OpponentModel::kObserved, OpponentModel::kObserved,
                                              OpponentModel::kObserved};
@@ -56,6 +65,7 @@ enum class ModelMemory : std::uint8_t {
 
 [[nodiscard]] Names NamesOf(TreeKind);
 [[nodiscard]] Names NamesOf(SimulatedOpponent);
+[[nodiscard]] Names NamesOf(SimulatedMoves);
 [[nodiscard]] Names NamesOf(RootSearch);
 [[nodiscard]] Names NamesOf(OpponentModel);
 [[nodiscard]] Names NamesOf(ModelMemory);
@@ -80,7 +90,7 @@ struct SearchSettings {
 // target; the others are short.
 [[nodiscard]] SearchSettings KataGoSettings();
 
-// Whether somebody's model is kPredicted.
+// Whether somebody's model is kPredicted, or may become so.
 [[nodiscard]] bool Predicts(const SearchSettings& settings);
 
 // The same search as strong as it can play: no noise, no drawing of moves, no short searches.

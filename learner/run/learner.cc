@@ -159,8 +159,8 @@ void Learner::KeepWeights() const {
     }
     if (network.others_hidden > 0 || !AsksForPredictions(player)) continue;
     throw Error(StrCat("self_play.player ", player.name,
-                       " searches with opponents predicted, but its network foretells nobody; "
-                       "expected training.network small, or other weights"));
+                       " searches with opponents predicted or chosen, but its network foretells "
+                       "nobody; expected training.network small, or other weights"));
   }
 }
 

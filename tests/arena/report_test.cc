@@ -29,6 +29,7 @@ SeatStatistics SomeStatistics() {
   statistics.variation_sum = 120;
   statistics.predictions = 20;
   statistics.predictions_right = 15;
+  statistics.taken_for = {0, 0, 0, 15, 0, 5};
   statistics.bombs = 3;
   statistics.kicks = 2;
   statistics.kills = 1;
@@ -176,6 +177,7 @@ TEST(Report, ShowsFiguresToPeople) {
   EXPECT_THAT(text, HasSubstr("win     0.500  [0.150, 0.850]  2"));
   EXPECT_THAT(text, HasSubstr("Elo     +235 [-69, +538]  over the average opponent"));
   EXPECT_THAT(text, HasSubstr("predicted at the root: 75.0 %"));
+  EXPECT_THAT(text, HasSubstr("opponents taken for  simple_unbiased 0.750  predicted 0.250\n"));
   EXPECT_THAT(text, HasSubstr("a game  bombs 3.00  kicks 2.00  kills 1.00  own deaths 1.000  "
                               "cells in 20 steps 4.50"));
   EXPECT_THAT(text, HasSubstr("against the first, board by board: win +0.000 [+0.000, +0.000]"));
@@ -209,6 +211,7 @@ TEST(Report, IsJsonThatProgramsRead) {
   EXPECT_EQ(search["win"], 0.5);
   EXPECT_NEAR(search["win_low"], 0.150039, 1e-6);
   EXPECT_EQ(search["share_stop"], 0.5);
+  EXPECT_EQ(search["taken_for_predicted"], 0.25);
   EXPECT_EQ(search["kills"], 1);
   EXPECT_TRUE(search["elo_difference"].is_null());
   EXPECT_FALSE(search.contains("question"));

@@ -49,6 +49,7 @@ TEST(SearchAllocation, SimulationsAllocateNothing) {
        {"", "tree=two_player", "memory=inferred", "leaves_per_batch=4", "root=gumbel",
         "root=gumbel,leaves_per_batch=4,tree=two_player", "root=gumbel,gumbel_first_halving=16",
         "forced_playouts=2", "full_search_share=0.5", "terminal_solver=true",
+        "opponents=predicted,tree=two_player,widening=1", "opponents=chosen,predicted_drawn=true",
         "opponents=raw_network", "raw_network_depth=2", "exploratory_start=0.05"}) {
     const SearchSettings settings = ParseSearchSettings(spec);
     Search search(settings, {});

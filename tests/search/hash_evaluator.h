@@ -13,8 +13,8 @@
 
 namespace powderkeg {
 
-// Policies and values that differ from position to position and from viewer to viewer; checks that
-// the viewers live.
+// Policies and values that differ from position to position and from viewer to viewer, and what the
+// others do; checks that the viewers live.
 class HashEvaluator final : public Evaluator {
  public:
   void Evaluate(const GameSettings&, std::span<const Position> positions,
@@ -32,6 +32,9 @@ class HashEvaluator final : public Evaluator {
       }
       for (float& share : evaluations[i].policy) share /= total;
       evaluations[i].value = static_cast<float>(2 * rng.Uniform() - 1);
+      for (auto& shares : evaluations[i].others) {
+        for (std::uint8_t& share : shares) share = static_cast<std::uint8_t>(rng.Below(85));
+      }
     }
   }
   [[nodiscard]] std::string name() const override { return "hash"; }

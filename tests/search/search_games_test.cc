@@ -60,7 +60,9 @@ void PlayGame(const SearchSettings& settings, const GameSettings& game, std::uin
       actions[id] = result.best;
     }
     outcome = Advance(game, actions, state);
-    for (OpponentModels& observed : models) observed.ObserveStep({known}, {state});
+    for (std::size_t id = 0; id < kAgentCount; ++id) {
+      models[id].ObserveStep({known}, {state}, searches[id].foretold());
+    }
   }
 }
 
@@ -98,6 +100,13 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"NetworkModelsTwoPlayer", "PommeTeam-v0",
              "simulations=20,opponents=raw_network/simple_unbiased/raw_network,tree=two_player,"
              "leaves_per_batch=16"},
+        Case{"Predicted", "PommeFFA-v1", "simulations=20,opponents=predicted"},
+        Case{"PredictedTwoPlayer", "PommeRadioCompetition-v2",
+             "simulations=20,opponents=predicted,tree=two_player,leaves_per_batch=4"},
+        Case{"Chosen", "PommeRadioCompetition-v2", "simulations=20,opponents=chosen"},
+        Case{"Drawn", "PommeFFA-v1",
+             "simulations=20,opponents=predicted,predicted_drawn=true,tree=two_player,"
+             "simulated_moves=as_foretold,widening=1,leaves_per_batch=4"},
         Case{"Gumbel", "PommeFFACompetition-v0", "simulations=20,root=gumbel"},
         Case{"GumbelTeamTwoPlayer", "PommeTeam-v0",
              "simulations=20,root=gumbel,tree=two_player,leaves_per_batch=4"},

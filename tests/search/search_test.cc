@@ -8,6 +8,7 @@
 #include <numeric>
 #include <vector>
 
+#include "actors/search/enemy_moves.h"
 #include "tests/pommerman/board_reader.h"
 #include "tests/search/known_answers.h"
 #include "tests/search/search_support.h"
@@ -177,7 +178,7 @@ TEST(Search, ForcedMoveNeedsNoSearch) {
 // --- Batches and determinism
 // ----------------------------------------------------------------------
 
-TEST(Search, BehavesAsPinned) { EXPECT_EQ(SearchSignature(), 12718822228535245573U); }
+TEST(Search, BehavesAsPinned) { EXPECT_EQ(SearchSignature(), 15503040510196361415U); }
 
 TEST(Search, EqualArgumentsGiveEqualResults) {
   const State state = KnownStart(3);
@@ -406,6 +407,115 @@ TEST(Search, PredictedModelsDoWhatTheEvaluationForetells) {
   EXPECT_EQ(result.expected_agents, 0b1110);
   EXPECT_EQ(evaluator.questions, static_cast<std::size_t>(search.tree().size()))
       << "one for each node, none for the models";
+}
+
+// The answer to a position tells everybody's moves: one question for each step of the environment,
+// none for the enemy's plies.
+TEST(Search, PredictedEnemyBranchesWithoutAQuestion) {
+  SearchSettings settings = Quiet(300);
+  settings.tree = TreeKind::kTwoPlayer;
+  settings.opponents.fill(OpponentModel::kPredicted);
+  Search search(settings, {});
+  Foretells evaluator;
+  search.Start(FromText(kInTheOpen), ModelsAtStart(settings, 0), Rng(1));
+  const SearchResult result = Finish(search, evaluator);
+  EXPECT_EQ(result.simulations, 300);
+  EXPECT_EQ(result.expected_agents, 0b1100) << "agent 1 is the closest: it branches";
+  std::size_t steps = 0;
+  for (NodeIndex index = 0; index < search.tree().size(); ++index) {
+    const Node& node = search.tree()[index];
+    if (node.mover == 0) {
+      steps += node.stage != Node::Stage::kTerminal ? 1 : 0;
+      continue;
+    }
+    EXPECT_EQ(node.prior[node.mover], (node.legal >> node.mover & 1) != 0 ? 200.0F / 255 : 0);
+    EXPECT_GT(node.visit_count, 0U) << "no simulation ended in it";
+  }
+  EXPECT_EQ(evaluator.questions, steps);
+  EXPECT_GT(search.tree().size(), static_cast<NodeIndex>(steps) + 10);
+}
+
+// One action for each of 3 chances of 4, another for the fourth.
+class Doubts final : public Evaluator {
+ public:
+  void Evaluate(const GameSettings&, std::span<const Position>,
+                std::span<Evaluation> evaluations) override {
+    for (Evaluation& evaluation : evaluations) {
+      evaluation.policy.fill(1.0F / kActionCount);
+      evaluation.value = 0;
+      for (auto& shares : evaluation.others) shares = {60, 180, 0, 0, 0, 0};
+    }
+  }
+  [[nodiscard]] std::string name() const override { return "doubts"; }
+};
+
+TEST(Search, DrawnPredictionsDifferBySeedAndAreLegal) {
+  SearchSettings settings = Quiet(1);
+  settings.opponents.fill(OpponentModel::kPredicted);
+  settings.predicted_drawn = true;
+  Doubts evaluator;
+  int stops = 0;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    std::array<JointAction, 2> expected;
+    for (JointAction& actions : expected) {
+      Search search(settings, {});
+      search.Start(FromText(kInTheOpen), ModelsAtStart(settings, 0), Rng(seed));
+      actions = Finish(search, evaluator).expected_actions;
+    }
+    EXPECT_EQ(expected[0], expected[1]) << "deterministic";
+    for (std::size_t agent = 1; agent < kAgentCount; ++agent) {
+      stops += expected[0][agent] == Action::kStop ? 1 : 0;
+    }
+  }
+  EXPECT_NEAR(stops, 150, 40);
+}
+
+// The moves of the simulated enemy are outcomes of self's: visited by their probabilities, so that
+// their mean is backed up.
+TEST(Search, EnemyMovesAsForetoldAreVisitedByTheirShares) {
+  SearchSettings settings = Quiet(2000);
+  settings.tree = TreeKind::kTwoPlayer;
+  settings.opponents.fill(OpponentModel::kPredicted);
+  settings.simulated_moves = SimulatedMoves::kAsForetold;
+  Search search(settings, {});
+  Doubts evaluator;
+  search.Start(FromText(kInTheOpen), ModelsAtStart(settings, 0), Rng(1));
+  (void)Finish(search, evaluator);
+  int seen = 0;
+  for (NodeIndex index = 0; index < search.tree().size(); ++index) {
+    const Node& ply = search.tree()[index];
+    if (ply.side > 0 || ply.visit_count < 20 || (ply.legal >> 1 & 1) == 0) continue;
+    EXPECT_NEAR(ply.visits[1], 0.75 * ply.visit_count, 1);
+    EXPECT_EQ(ply.visits[0] + ply.visits[1], ply.visit_count);
+    ++seen;
+  }
+  EXPECT_GT(seen, 10);
+}
+
+TEST(Search, WideningLooksAtTheLikeliestMovesFirst) {
+  SearchSettings settings;
+  settings.widening = 1;
+  Node ply{};
+  ply.legal = 0b001111;
+  ply.prior = {0.1F, 0.4F, 0.2F, 0.3F, 0, 0};
+  EXPECT_EQ(ConsideredMoves(settings, ply), 0b000010) << "one at least";
+  ply.visit_count = 2;  // ceil(sqrt(3))
+  EXPECT_EQ(ConsideredMoves(settings, ply), 0b001010);
+  ply.visit_count = 100;
+  EXPECT_EQ(ConsideredMoves(settings, ply), ply.legal);
+  settings.widening = 0;
+  ply.visit_count = 0;
+  EXPECT_EQ(ConsideredMoves(settings, ply), ply.legal);
+}
+
+// Nothing foretold, as of who is out of sight: the steps are one-player ones.
+TEST(Search, EnemyOfWhichNothingIsForetoldDoesNotBranch) {
+  SearchSettings settings = Quiet(50);
+  settings.tree = TreeKind::kTwoPlayer;
+  settings.opponents.fill(OpponentModel::kPredicted);
+  const SearchResult result = SearchOnce(settings, FromText(kInTheOpen));
+  EXPECT_EQ(result.expected_agents, 0b1110);
+  EXPECT_EQ(result.expected_actions[1], Action::kStop);
 }
 
 TEST(Search, NetworkModelsActByTheirPolicy) {
