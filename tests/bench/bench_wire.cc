@@ -36,7 +36,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::uint64_t kGames = 8000;
 constexpr int kActors = 2;
-constexpr std::uint32_t kLoops = 4;  // of an actor
+constexpr std::uint32_t kLoops = 4;    // of an actor
+constexpr std::uint32_t kVersion = 7;  // of the weights at the start of every game
 constexpr auto kLimit = std::chrono::seconds(60);
 
 struct Prepared {
@@ -48,7 +49,7 @@ struct Prepared {
 Prepared Prepare(const SelfPlayConfig& config) {
   Prepared prepared;
   for (std::uint64_t ticket = 0; ticket < kGames; ++ticket) {
-    const GameRecord record = PlayTicket(config, ticket, /*weights_version=*/7);
+    const GameRecord record = PlayTicket(config, ticket, kVersion);
     prepared.games.push_back(Seal(record, SettingsDigest(config)));
     prepared.decisions += DecisionCount(record);
     prepared.bytes += prepared.games.back().record.size();
@@ -131,6 +132,7 @@ double MeasureIntake(const SelfPlayConfig& config, const Prepared& prepared,
   std::atomic<std::size_t> stored = 0;
   SessionServerSettings settings;
   settings.run_id = "bench";
+  settings.newest_version = kVersion + 1;
   settings.self_play = config;
   SessionServer server(settings, ListenZmq({.endpoint = endpoint}),
                        [&](const std::vector<GameRecord>& games, std::vector<Lessons> lessons) {
@@ -153,6 +155,10 @@ std::vector<BenchFigure> BenchWire() {
   config.games_in_flight = 128;
   const Prepared prepared = Prepare(config);
   const auto decisions = static_cast<double>(prepared.decisions);
+  SelfPlayConfig four_learn = config;
+  four_learn.players = {{.name = "me", .teaches = PlayerSpec::Teaches::kSearch}};
+  four_learn.lineups = {{.seats = {"me", "me", "me", "me"}}};
+  const Prepared four = Prepare(four_learn);
   const double memory_s =
       MeasureIntake(config, prepared, [](const auto& /*games*/, const auto& /*lessons*/) {});
   const TemporaryFolder folder;
@@ -160,6 +166,8 @@ std::vector<BenchFigure> BenchWire() {
   const double hdf5_s = MeasureIntake(
       config, prepared, [&](const auto& games, const auto& /*lessons*/) { store.Append(games); });
   return {{"bytes_per_decision", static_cast<double>(prepared.bytes) / decisions, "bytes"},
+          {"bytes_per_decision_of_four",
+           static_cast<double>(four.bytes) / static_cast<double>(four.decisions), "bytes"},
           {"ingest_hdf5", decisions / hdf5_s, "decisions/s"},
           {"ingest_per_core", decisions / memory_s, "decisions/s"}};
 }
