@@ -128,7 +128,8 @@ int main(int argc, char** argv) {
   CLI::App app("Measures the speed of rules, policies, search and networks.", "bench");
   std::string filter;
   bool json = false;
-  app.add_option("--filter", filter, "only suites whose name contains this, or figures: SUITE.PART");
+  app.add_option("--filter", filter,
+                 "only suites whose name contains this, or figures: SUITE.PART");
   app.add_flag("--json", json, R"(print {"NAME": {"value": ..., "unit": ...}, ...})");
   app.footer(powderkeg::Footer());
   return powderkeg::RunMain(app, argc, argv, [&] { return powderkeg::Run(filter, json); });

@@ -11,8 +11,8 @@
 
 #include "common/base/check.h"
 #include "common/segment/segment_file.h"
-#include "tests/learner/record_support.h"
 #include "tests/http/raw_socket.h"
+#include "tests/learner/record_support.h"
 #include "tools/board/board_routes.h"
 #include "tools/board/game_story.h"
 
