@@ -7,10 +7,6 @@ namespace {
 
 constexpr float kOwnDeathInTeam = -0.5F;
 
-bool IsAlive(const State& state, AgentId agent) {
-  return state.agents[static_cast<std::size_t>(agent)].alive;
-}
-
 }  // namespace
 
 Ends::Ends(const SearchSettings& settings, const GameSettings& game)
@@ -20,7 +16,7 @@ Ends::Ends(const SearchSettings& settings, const GameSettings& game)
       mate_value_on_death_(settings.mate_value_on_death) {}
 
 void Ends::Judge(const Outcome& outcome, AgentId self, Node& node) const {
-  if (!outcome.done && IsAlive(node.state, self)) return;
+  if (!outcome.done && node.state.agents[self].alive) return;
   node.stage = Node::Stage::kTerminal;
   if (outcome.done && outcome.result == Result::kTie) {
     node.evaluation = ValueOfEnd(0, node);
@@ -30,7 +26,7 @@ void Ends::Judge(const Outcome& outcome, AgentId self, Node& node) const {
   } else if (!IsTeamMode(mode_)) {
     node.proven = -1;
     node.evaluation = node.proven;
-  } else if (mate_value_on_death_ && IsAlive(node.state, TeamMateOf(mode_, self))) {
+  } else if (mate_value_on_death_ && node.state.agents[TeamMateOf(mode_, self)].alive) {
     node.stage = Node::Stage::kAsksMate;
   } else {
     node.evaluation = kOwnDeathInTeam;

@@ -1,22 +1,11 @@
 #include "actors/search/enemy_moves.h"
 
-#include <bit>
 #include <cmath>
+#include <span>
 
 #include "actors/search/portable_math.h"
 
 namespace powderkeg {
-namespace {
-
-std::size_t MostOwed(const Node& ply, ActionSet among) {
-  auto best = static_cast<std::size_t>(std::countr_zero(among));
-  for (std::size_t a = best + 1; a < kActionCount; ++a) {
-    if (Has(among, a) && ply.urge[a] > ply.urge[best]) best = a;
-  }
-  return best;
-}
-
-}  // namespace
 
 ActionSet ConsideredMoves(const SearchSettings& settings, const Node& ply) {
   if (settings.widening == 0) return ply.legal;
@@ -35,7 +24,7 @@ ActionSet ConsideredMoves(const SearchSettings& settings, const Node& ply) {
 
 Action ChooseEnemyMove(const SearchSettings& settings, const Tree& tree, const Node& ply) {
   if (settings.simulated_moves == SimulatedMoves::kAsForetold) {
-    return static_cast<Action>(MostOwed(ply, ConsideredMoves(settings, ply)));
+    return BestAction(std::span(ply.urge).first<kActionCount>(), ConsideredMoves(settings, ply));
   }
   if (settings.widening == 0) return tree.Select(ply);
   return tree.SelectAmong(ply, ConsideredMoves(settings, ply));

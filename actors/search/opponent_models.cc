@@ -29,10 +29,6 @@ ModelledAgent::Kind KindOf(OpponentModel model) {
   }
 }
 
-bool IsAlive(const State& state, AgentId agent) {
-  return state.agents[static_cast<std::size_t>(agent)].alive;
-}
-
 bool InView(const SeenState& seen, AgentId agent) {
   return seen.visible.Has(seen.state.agents[static_cast<std::size_t>(agent)].cell);
 }
@@ -94,7 +90,7 @@ void OpponentModels::ObserveStep(const SeenState& before, const SeenState& after
                                  const Foretelling& foretold) {
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
     Other& other = others_[static_cast<std::size_t>(agent)];
-    if (agent == self_ || !IsAlive(before.state, agent) || !InView(after, agent)) continue;
+    if (agent == self_ || !before.state.agents[agent].alive || !InView(after, agent)) continue;
     if (other.model.kind != ModelledAgent::Kind::kPolicy && !other.chooses) continue;
     if (InView(before, agent)) {
       ObserveAgent(agent, before.state, after.state, foretold, other);
@@ -127,7 +123,7 @@ void OpponentModels::InferOrders(AgentId agent, const State& before, const State
   if (SeenAction(before, after, agent, seen)) {
     other.orders.Observe(ViewOf(before, agent), other.model.memory, seen);
   }
-  if (IsAlive(after, agent)) other.orders.Settle(ViewOf(after, agent));
+  if (after.agents[agent].alive) other.orders.Settle(ViewOf(after, agent));
   other.model.traits = other.orders.traits();
 }
 

@@ -35,10 +35,6 @@ std::uint32_t AsCount(double share) {
   return static_cast<std::uint32_t>(share * kImprovedPolicyScale + 0.5);
 }
 
-bool IsAlive(const State& state, AgentId agent) {
-  return state.agents[static_cast<std::size_t>(agent)].alive;
-}
-
 }  // namespace
 
 Search::Search(const SearchSettings& settings, const GameSettings& game)
@@ -54,7 +50,7 @@ Search::Search(const SearchSettings& settings, const GameSettings& game)
 // --- Start -------------------------------------------------------------------------------------
 
 void Search::Start(const State& root, const OpponentModels& models, Rng rng) {
-  CHECK(IsAlive(root, models.self()), "agent ", models.self(), " is dead");
+  CHECK(root.agents[models.self()].alive, "agent ", models.self(), " is dead");
   CHECK(pending_.empty(), "Start between Gather and Scatter");
   std::array<ModelledAgent, kAgentCount> known;
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
@@ -215,7 +211,7 @@ bool Search::DecideForOthers(NodeIndex index, EvaluationBatch& batch) {
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
     const auto id = static_cast<std::size_t>(agent);
     node.actions[id] = Action::kStop;
-    if (agent == self_ || agent == node.next_mover || !IsAlive(node.state, agent)) continue;
+    if (agent == self_ || agent == node.next_mover || !node.state.agents[agent].alive) continue;
     if (ActsByNetwork(node, agent)) {
       node.stage = Node::Stage::kAsksModels;
       Ask(index, agent, batch);
@@ -294,7 +290,7 @@ void Search::ObserveMover(const Node& parent, AgentId agent, Node& child) const 
 
 void Search::ObserveNetworkMoves(const Node& parent, Node& child) const {
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
-    if (agent == self_ || agent == parent.mover || !IsAlive(parent.state, agent)) continue;
+    if (agent == self_ || agent == parent.mover || !parent.state.agents[agent].alive) continue;
     if (ActsByNetwork(parent, agent)) ObserveMover(parent, agent, child);
   }
 }
@@ -469,7 +465,7 @@ void Search::ExpectActions(SearchResult& result) const {
   if (root.stage != Node::Stage::kReady) return;
   result.expected_actions = root.actions;
   for (AgentId agent = 0; agent < kAgentCount; ++agent) {
-    if (agent == self_ || agent == root.next_mover || !IsAlive(root.state, agent)) continue;
+    if (agent == self_ || agent == root.next_mover || !root.state.agents[agent].alive) continue;
     result.expected_agents = static_cast<std::uint8_t>(result.expected_agents | 1U << agent);
   }
 }

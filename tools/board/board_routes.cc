@@ -1,12 +1,12 @@
 #include "tools/board/board_routes.h"
 
-#include <charconv>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "common/base/check.h"
+#include "common/base/number.h"
 #include "tools/board/game_story.h"
 
 namespace powderkeg {
@@ -28,13 +28,11 @@ class Numbers {
   [[nodiscard]] std::uint64_t Of(const std::string& name, std::uint64_t most) {
     const auto found = request_.parameters.find(name);
     const std::string text = found == request_.parameters.end() ? "" : found->second;
-    std::uint64_t number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    const bool fits = error == std::errc() && end == text.data() + text.size() && number <= most;
-    if (!fits && reason_.empty()) {
+    const auto number = ParseNumber<std::uint64_t>(text);
+    if ((!number || *number > most) && reason_.empty()) {
       reason_ = StrCat(name, " is '", text, "', expected a number from 0 to ", most);
     }
-    return number;
+    return number.value_or(0);
   }
   // Empty: nothing.
   [[nodiscard]] const std::string& reason() const { return reason_; }

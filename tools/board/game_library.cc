@@ -8,7 +8,6 @@
 #include "common/base/check.h"
 #include "common/config/config.h"
 #include "common/record/game_setup.h"
-#include "common/segment/segment_file.h"
 
 namespace powderkeg {
 namespace {
@@ -127,9 +126,7 @@ std::string GameLibrary::ListSegment(const fs::path& file, std::vector<ListedGam
     games.push_back(Listed(record));
     games.back().file = file;
   });
-  if (damage.reason.empty()) return "";
-  return StrCat(file.string(), ": ", damage.reason, "; its games of tickets ", LostText(damage),
-                " are left out");
+  return damage.reason.empty() ? "" : LeftOutText(file.string(), damage);
 }
 
 ListedGame GameLibrary::Listed(const GameRecord& record) const {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/segment/segment_file.h"
+#include "common/base/check.h"
 
 namespace powderkeg {
 namespace {
@@ -22,8 +22,7 @@ GameSource SegmentSource(const std::string& file) {
   const SegmentDamage damage =
       ReadSegment(file, [&](GameRecord&& record) { records.push_back(std::move(record)); });
   if (!damage.reason.empty()) {
-    std::cerr << file << ": " << damage.reason << "; its games of tickets " << LostText(damage)
-              << " are left out\n";
+    std::cerr << LeftOutText(file, damage) << '\n';
   }
   return [records = std::move(records), next = std::size_t{0}](StoredGame& stored) mutable {
     if (next == records.size()) return false;
@@ -33,6 +32,11 @@ GameSource SegmentSource(const std::string& file) {
 }
 
 }  // namespace
+
+std::string LeftOutText(const std::string& file, const SegmentDamage& damage) {
+  return StrCat(file, ": ", damage.reason, "; its games of tickets ", LostText(damage),
+                " are left out");
+}
 
 bool IsSegment(const std::string& file) { return file.find(".h5") != std::string::npos; }
 

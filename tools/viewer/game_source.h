@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "common/segment/segment_file.h"
 #include "tools/viewer/stored_game.h"
 
 namespace powderkeg {
@@ -14,6 +15,9 @@ using GameSource = std::function<bool(StoredGame& game)>;
 
 // Whether a file of this name is a segment of a run; otherwise it is recorded games.
 [[nodiscard]] bool IsSegment(const std::string& file);
+
+// What to say of a damaged segment.
+[[nodiscard]] std::string LeftOutText(const std::string& file, const SegmentDamage& damage);
 
 // Of a segment, or of recorded games (.jsonl, .jsonl.gz). What a damaged segment has lost is said
 // on standard error. Throws Error if the file cannot be read.
