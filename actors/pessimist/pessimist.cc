@@ -37,28 +37,6 @@ int Logarithm(unsigned number) {
 
 }  // namespace
 
-bool FutureMemory::Fits(const Entry& entry, const State& state) {
-  return entry.bomb_count == state.bomb_count && entry.step == state.step &&
-         std::equal(entry.bombs.begin(), entry.bombs.begin() + entry.bomb_count,
-                    state.bombs.begin()) &&
-         entry.wood == state.wood && entry.items == state.VisibleItems();
-}
-
-const BombFuture& FutureMemory::For(const GameSettings& settings, const State& state) {
-  const std::size_t kept = std::min(count_, kSize);
-  for (std::size_t i = 0; i < kept; ++i) {
-    if (Fits(entries_[i], state)) return entries_[i].future;
-  }
-  Entry& entry = entries_[count_++ % kSize];
-  entry.bombs = state.bombs;
-  entry.bomb_count = state.bomb_count;
-  entry.step = state.step;
-  entry.wood = state.wood;
-  entry.items = state.VisibleItems();
-  entry.future = ForeseeBombs(settings, state);
-  return entry.future;
-}
-
 Action Pessimist::Choose(const GameSettings& game, const State& state, AgentId self,
                          BitBoard visible, Rng& rng, std::optional<Action> bounced) {
   std::array<int, kActionCount> values = Values(game, state, self, visible);
@@ -80,7 +58,7 @@ std::array<int, kActionCount> Pessimist::Values(const GameSettings& game, const 
   futures_.Clear();
   LookAround(state, visible);
   AttractBy(state);
-  const Replies replies = RepliesTo(state);
+  const Replies replies = RepliesTo(state, self, enemies_ & in_view_, settings_.near);
   depth_ = replies.count > 1 ? settings_.depth : settings_.depth + 1;
   const ActionSet legal = LegalActions(state, self);
   std::array<int, kActionCount> values;
@@ -118,26 +96,6 @@ void Pessimist::AttractBy(const State& state) {
     }
   }
   attraction_.Spread(~(walls | state.bomb_cells) | BitBoard::Of(self.cell));
-}
-
-// The nearest enemies in view, one at a time.
-Pessimist::Replies Pessimist::RepliesTo(const State& state) const {
-  Replies replies;
-  int repliers = 0;
-  for (int distance = 1; distance <= settings_.near; ++distance) {
-    for (AgentId id = 0; id < kAgentCount && repliers < kRepliers; ++id) {
-      const Cell cell = state.agents[id].cell;
-      if (!IsEnemy(id) || !Has(in_view_, static_cast<std::size_t>(id))) continue;
-      if (ManhattanDistance(cell, state.agents[self_].cell) != distance) continue;
-      ++repliers;
-      const ActionSet legal = LegalActions(state, id);
-      for (std::size_t action = 1; action < kActionCount; ++action) {
-        if (!Has(legal, action)) continue;
-        replies.actions[replies.count++][id] = static_cast<Action>(action);
-      }
-    }
-  }
-  return replies;
 }
 
 int Pessimist::ValueOf(const State& state, const Replies& replies, Action action) {
@@ -180,7 +138,8 @@ int Pessimist::LeafValue(const State& state) {
 }
 
 int Pessimist::Survivabilities(const State& state, const BombFuture& future) const {
-  const CellsByStep theirs = CellsOfOthers(state, future);
+  const CellsByStep theirs =
+      CellsOf(future, state, enemies_ & in_view_, settings_.spread, in_view_);
   const Cell cell = state.agents[self_].cell;
   int value = OwnValue(CountPairs(SurvivableCells(future, cell, theirs)));
   if (value <= -kDoom) value += CountPairs(ReachableCells(future, cell, theirs));
@@ -197,17 +156,6 @@ int Pessimist::Survivabilities(const State& state, const BombFuture& future) con
     }
   }
   return value;
-}
-
-CellsByStep Pessimist::CellsOfOthers(const State& state, const BombFuture& future) const {
-  CellsByStep cells{};
-  for (std::size_t id = 0; id < kAgentCount; ++id) {
-    if (!Has(in_view_, id) || !state.agents[id].alive) continue;
-    const int spread = Has(enemies_, id) ? settings_.spread : 0;
-    const CellsByStep reached = ReachableCells(future, state.agents[id].cell, spread);
-    for (std::size_t step = 0; step < cells.size(); ++step) cells[step] |= reached[step];
-  }
-  return cells;
 }
 
 int Pessimist::OwnValue(int pairs) const { return pairs == 0 ? -kDoom : -settings_.own / pairs; }

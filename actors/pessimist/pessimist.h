@@ -28,34 +28,12 @@
 #include "common/base/rng.h"
 #include "common/config/pessimist_settings.h"
 #include "common/pommerman/game_settings.h"
+#include "common/pommerman/replies.h"
 #include "common/pommerman/state.h"
 #include "common/pommerman/step.h"
 #include "common/pommerman/survivability.h"
 
 namespace powderkeg {
-
-// The futures of a decision's positions: few, as most moves leave the bombs as they are.
-class FutureMemory {
- public:
-  void Clear() { count_ = 0; }
-  // Valid until the next call.
-  [[nodiscard]] const BombFuture& For(const GameSettings& settings, const State& state);
-
- private:
-  static constexpr std::size_t kSize = 64;
-  struct Entry {
-    std::array<Bomb, kMaxBombs> bombs;
-    int bomb_count;
-    int step;
-    BitBoard wood;
-    BitBoard items;
-    BombFuture future;
-  };
-  [[nodiscard]] static bool Fits(const Entry& entry, const State& state);
-
-  std::array<Entry, kSize> entries_;
-  std::size_t count_ = 0;
-};
 
 // One thread; reused over games, nothing of which it remembers. Allocates nothing.
 class Pessimist {
@@ -74,23 +52,14 @@ class Pessimist {
                                                      AgentId self, BitBoard visible);
 
  private:
-  static constexpr int kRepliers = 2;
-  // What everybody else may do in the first step.
-  struct Replies {
-    std::array<JointAction, 1 + kRepliers*(kActionCount - 1)> actions{};
-    int count = 1;  // the first: all wait
-  };
-
   [[nodiscard]] bool IsEnemy(AgentId id) const { return (enemies_ >> id & 1) != 0; }
   void LookAround(const State& state, BitBoard visible);
   void AttractBy(const State& state);
-  [[nodiscard]] Replies RepliesTo(const State& state) const;
   [[nodiscard]] int ValueOf(const State& state, const Replies& replies, Action action);
   [[nodiscard]] int ValueAfter(State state, const JointAction& actions, int depth);
   [[nodiscard]] int Best(const State& state, int depth);
   [[nodiscard]] int LeafValue(const State& state);
   [[nodiscard]] int Survivabilities(const State& state, const BombFuture& future) const;
-  [[nodiscard]] CellsByStep CellsOfOthers(const State& state, const BombFuture& future) const;
   [[nodiscard]] int OwnValue(int pairs) const;
   [[nodiscard]] int MateValue(int pairs) const;
   [[nodiscard]] int EnemyValue(int pairs, bool alive) const;
@@ -100,8 +69,8 @@ class Pessimist {
   GameSettings game_;
   AgentId self_ = 0;
   AgentId living_mate_ = -1;  // none: -1
-  std::uint8_t enemies_ = 0;  // bit i: agent i lives and is an enemy
-  std::uint8_t in_view_ = 0;  // bit i: agent i lives and is in view
+  AgentSet enemies_ = 0;      // that live
+  AgentSet in_view_ = 0;      // living others
   int depth_ = 0;
   Attraction attraction_;
   FutureMemory futures_;

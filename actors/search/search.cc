@@ -42,6 +42,7 @@ Search::Search(const SearchSettings& settings, const GameSettings& game)
       move_(settings),
       game_(AsKnownTo(settings, game)),
       ends_(settings, game),
+      survival_(settings, game_),
       foretells_(Predicts(settings)),
       tree_(settings) {
   pending_.reserve(static_cast<std::size_t>(settings.leaves_per_batch + kAgentCount));
@@ -72,6 +73,7 @@ void Search::Start(const State& root, const OpponentModels& models, Rng rng) {
   } else {
     tree_.Keep(foreseen, NodesToAdd());
   }
+  cautious_ = survival_.CautiousActions(root, self_, LegalFor(tree_[kRoot]));
   BeginRoot();
 }
 
@@ -200,7 +202,7 @@ Action Search::ChooseRootAction() {
     const std::size_t forced = ForcedAction(move_.forced_playouts, Candidates());
     if (forced < kActionCount) return static_cast<Action>(forced);
   }
-  return tree_.Select(root);
+  return tree_.SelectAmong(root, Candidates().legal);
 }
 
 // Fills in `actions` for everybody who does not choose in the tree; false if networks are asked.
@@ -330,7 +332,8 @@ void Search::Scatter(const EvaluationBatch& batch) {
 void Search::TakeEvaluation(NodeIndex index, const Evaluation& evaluation) {
   Node& node = tree_[index];
   tree_.SetEdges(node, LegalFor(node), evaluation.policy);
-  node.evaluation = static_cast<float>(node.side) * evaluation.value;
+  node.evaluation =
+      survival_.Weigh(static_cast<float>(node.side) * evaluation.value, node.state, self_);
   node.stage = node.mover == self_ ? Node::Stage::kEvaluated : Node::Stage::kReady;
   if (foretells_) tree_.foretold(index) = evaluation.others;
   if (index == kRoot) {
@@ -420,14 +423,15 @@ std::optional<std::size_t> Search::WinningAction(const Node& node) const {
   return best;
 }
 
-// The root as the choice of its actions sees it: only the winning one where one is proven, none of
-// those proven lost unless all are.
+// The root as the choice of its actions sees it: only the winning one where one is proven, else the
+// cautious ones, none of those proven lost unless all are.
 RootStatistics Search::Candidates() const {
   const Node& root = tree_[kRoot];
   const auto open = static_cast<ActionSet>(root.legal & ~root.closed);
+  const auto cautious = static_cast<ActionSet>(open & cautious_);
   RootStatistics candidates;
   candidates.evaluation = root.evaluation;
-  candidates.legal = open != 0 ? open : root.legal;
+  candidates.legal = cautious != 0 ? cautious : open != 0 ? open : root.legal;
   if (root.proven > 0) candidates.legal = static_cast<ActionSet>(1U << WinningAction(root).value());
   for (std::size_t a = 0; a < kActionCount; ++a) {
     if (!Has(candidates.legal, a)) continue;

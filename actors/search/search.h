@@ -12,6 +12,7 @@
 #include "actors/search/gumbel_root.h"
 #include "actors/search/opponent_models.h"
 #include "actors/search/root_policy.h"
+#include "actors/search/survival.h"
 #include "actors/search/tree.h"
 #include "common/base/rng.h"
 #include "common/config/search_settings.h"
@@ -142,13 +143,15 @@ class Search {
   SearchSettings move_;  // the same for this move: a fast search differs
   GameSettings game_;    // as the search knows it: without a step limit if that setting is off
   Ends ends_;
+  Survival survival_;
   bool foretells_;  // somebody is foretold
   AgentId self_ = 0;
   std::array<ModelledAgent, kAgentCount> models_;
   Rng rng_;
   Tree tree_;
   std::vector<Pending> pending_;
-  bool forced_ = true;  // nothing to search
+  ActionSet cautious_ = 0;  // of the root's actions those that may be played
+  bool forced_ = true;      // nothing to search
   bool full_search_ = true;
   int budget_ = 0;             // simulations of this move
   SequentialHalving halving_;  // of a Gumbel root

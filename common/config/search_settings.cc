@@ -58,8 +58,15 @@ bool Predicts(const SearchSettings& settings) {
          std::ranges::any_of(settings.opponents, asks);
 }
 
+SearchSettings WithoutSurvival(SearchSettings settings) {
+  settings.caution = 0;
+  settings.room = 0;
+  settings.hunt = 0;
+  return settings;
+}
+
 SearchSettings PaperSettings() {
-  SearchSettings settings;
+  SearchSettings settings = WithoutSurvival({});
   settings.opponents.fill(OpponentModel::kSimpleUnbiased);
   settings.memory = ModelMemory::kReset;
   settings.exploratory_start = 0.05;
@@ -69,13 +76,13 @@ SearchSettings PaperSettings() {
 }
 
 SearchSettings GumbelSettings() {
-  SearchSettings settings;
+  SearchSettings settings = WithoutSurvival({});
   settings.root = RootSearch::kGumbel;
   return settings;
 }
 
 SearchSettings KataGoSettings() {
-  SearchSettings settings;
+  SearchSettings settings = WithoutSurvival({});
   settings.full_search_share = 0.25;
   settings.forced_playouts = 2;
   return settings;

@@ -58,10 +58,44 @@ CellsByStep SurvivableCells(const BombFuture& future, Cell cell, const CellsBySt
   return cells;
 }
 
+CellsByStep CellsOf(const BombFuture& future, const State& state, AgentSet everywhere, int spread,
+                    AgentSet there) {
+  CellsByStep cells{};
+  for (std::size_t id = 0; id < kAgentCount; ++id) {
+    const bool moves = Has(everywhere, id);
+    if ((!moves && !Has(there, id)) || !state.agents[id].alive) continue;
+    const CellsByStep reached = ReachableCells(future, state.agents[id].cell, moves ? spread : 0);
+    for (std::size_t step = 0; step < cells.size(); ++step) cells[step] |= reached[step];
+  }
+  return cells;
+}
+
 int CountPairs(const CellsByStep& cells) {
   int pairs = 0;
   for (int step = 1; step <= kForesight; ++step) pairs += cells[step].Count();
   return pairs;
+}
+
+bool FutureMemory::Fits(const Entry& entry, const State& state) {
+  return entry.bomb_count == state.bomb_count && entry.step == state.step &&
+         std::equal(entry.bombs.begin(), entry.bombs.begin() + entry.bomb_count,
+                    state.bombs.begin()) &&
+         entry.wood == state.wood && entry.items == state.VisibleItems();
+}
+
+const BombFuture& FutureMemory::For(const GameSettings& settings, const State& state) {
+  const std::size_t kept = std::min(count_, kSize);
+  for (std::size_t i = 0; i < kept; ++i) {
+    if (Fits(entries_[i], state)) return entries_[i].future;
+  }
+  Entry& entry = entries_[count_++ % kSize];
+  entry.bombs = state.bombs;
+  entry.bomb_count = state.bomb_count;
+  entry.step = state.step;
+  entry.wood = state.wood;
+  entry.items = state.VisibleItems();
+  entry.future = ForeseeBombs(settings, state);
+  return entry.future;
 }
 
 }  // namespace powderkeg

@@ -3,6 +3,7 @@
 // Where an agent can still live in the next steps: sets of cells by step, worked out on bit boards.
 
 #include <array>
+#include <cstddef>
 
 #include "common/pommerman/bit_board.h"
 #include "common/pommerman/game_settings.h"
@@ -38,8 +39,37 @@ struct BombFuture {
 [[nodiscard]] CellsByStep SurvivableCells(const BombFuture& future, Cell cell,
                                           const CellsByStep& taken);
 
+// Where others may be in the way: those of `everywhere` in all cells that they can reach in
+// `spread` steps, those of `there` where they are. Agents that died are nowhere.
+[[nodiscard]] CellsByStep CellsOf(const BombFuture& future, const State& state, AgentSet everywhere,
+                                  int spread, AgentSet there);
+
 // The (cell, step) pairs after at least one step: the survivability of Osogami and Takahashi
 // (arXiv 1902.10870), at most kForesight * kCellCount.
 [[nodiscard]] int CountPairs(const CellsByStep& cells);
+
+// The futures of a decision's positions: few, as most moves leave the bombs as they are.
+class FutureMemory {
+ public:
+  // To be called where other settings hold.
+  void Clear() { count_ = 0; }
+  // Valid until the next call.
+  [[nodiscard]] const BombFuture& For(const GameSettings& settings, const State& state);
+
+ private:
+  static constexpr std::size_t kSize = 64;
+  struct Entry {
+    std::array<Bomb, kMaxBombs> bombs;
+    int bomb_count;
+    int step;
+    BitBoard wood;
+    BitBoard items;
+    BombFuture future;
+  };
+  [[nodiscard]] static bool Fits(const Entry& entry, const State& state);
+
+  std::array<Entry, kSize> entries_;
+  std::size_t count_ = 0;
+};
 
 }  // namespace powderkeg

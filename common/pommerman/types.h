@@ -38,6 +38,9 @@ enum class Action : std::uint8_t {
 inline constexpr std::array<const char*, kActionCount> kActionNames = {"stop", "up",    "down",
                                                                        "left", "right", "bomb"};
 
+// A set of agents; bit i is agent i.
+using AgentSet = std::uint8_t;
+
 // Whether a set of agents or actions, bit i for number i, holds this one.
 [[nodiscard]] constexpr bool Has(std::uint8_t set, std::size_t number) {
   return (set >> number & 1) != 0;

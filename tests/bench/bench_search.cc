@@ -21,8 +21,9 @@ struct Sample {
   OpponentModels models;
 };
 
+// Of the search itself: what survivability adds to it is measured apart.
 SearchSettings SettingsFor(TreeKind tree, int simulations) {
-  SearchSettings settings;
+  SearchSettings settings = WithoutSurvival({});
   settings.tree = tree;
   settings.simulations = simulations;
   settings.opponents.fill(OpponentModel::kSimpleUnbiased);

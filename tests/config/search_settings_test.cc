@@ -50,9 +50,11 @@ TEST(SearchSettings, PresetIsAppliedBeforeOtherOptions) {
   expected.simulations = 50;
   EXPECT_EQ(ParseSearchSettings("simulations=50,preset=paper"), expected);
   EXPECT_EQ(ParseSearchSettings("preset=default"), SearchSettings());
-  EXPECT_EQ(ParseSearchSettings("preset=gumbel"), ParseSearchSettings("root=gumbel"));
-  EXPECT_EQ(ParseSearchSettings("preset=katago"),
-            ParseSearchSettings("full_search_share=0.25,forced_playouts=2"));
+  EXPECT_EQ(ParseSearchSettings("preset=gumbel"),
+            ParseSearchSettings("root=gumbel,caution=0,room=0,hunt=0"));
+  EXPECT_EQ(
+      ParseSearchSettings("preset=katago"),
+      ParseSearchSettings("full_search_share=0.25,forced_playouts=2,caution=0,room=0,hunt=0"));
 }
 
 TEST(SearchSettings, BadValuesSayWhatIsAllowed) {

@@ -11,8 +11,9 @@
 
 namespace powderkeg {
 
+// By the evaluator alone, without noise, against idle agents.
 inline SearchSettings Quiet(int simulations) {
-  SearchSettings settings;
+  SearchSettings settings = WithoutSurvival({});
   settings.simulations = simulations;
   settings.noise_weight = 0;
   settings.opponents.fill(OpponentModel::kIdle);
