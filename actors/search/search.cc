@@ -202,7 +202,7 @@ Action Search::ChooseRootAction() {
     const std::size_t forced = ForcedAction(move_.forced_playouts, Candidates());
     if (forced < kActionCount) return static_cast<Action>(forced);
   }
-  return tree_.SelectAmong(root, Candidates().legal);
+  return tree_.SelectAmong(root, RootActions());
 }
 
 // Fills in `actions` for everybody who does not choose in the tree; false if networks are asked.
@@ -423,16 +423,23 @@ std::optional<std::size_t> Search::WinningAction(const Node& node) const {
   return best;
 }
 
-// The root as the choice of its actions sees it: only the winning one where one is proven, else the
-// cautious ones, none of those proven lost unless all are.
-RootStatistics Search::Candidates() const {
+// What the root may do: only the winning action where one is proven, else none of those that are
+// proven lost, unless all are, and none that lacks caution, unless all others are lost.
+ActionSet Search::RootActions() const {
   const Node& root = tree_[kRoot];
+  if (root.proven > 0) return static_cast<ActionSet>(1U << WinningAction(root).value());
   const auto open = static_cast<ActionSet>(root.legal & ~root.closed);
   const auto cautious = static_cast<ActionSet>(open & cautious_);
+  if (cautious != 0) return cautious;
+  return open != 0 ? open : root.legal;
+}
+
+// The root as the choice among its actions sees it.
+RootStatistics Search::Candidates() const {
+  const Node& root = tree_[kRoot];
   RootStatistics candidates;
   candidates.evaluation = root.evaluation;
-  candidates.legal = cautious != 0 ? cautious : open != 0 ? open : root.legal;
-  if (root.proven > 0) candidates.legal = static_cast<ActionSet>(1U << WinningAction(root).value());
+  candidates.legal = RootActions();
   for (std::size_t a = 0; a < kActionCount; ++a) {
     if (!Has(candidates.legal, a)) continue;
     candidates.priors[a] = root.prior[a];

@@ -38,7 +38,7 @@ struct SearchResult {
   // False for a fast search (full_search_share): too short to learn its policy.
   bool full_search = true;
   float value = 0;            // of the root: mean over simulations, [-1, 1]
-  float evaluator_value = 0;  // the evaluator's own answer for the root
+  float evaluator_value = 0;  // the root's evaluation, survivability weighed in (survival.h)
   int simulations = 0;        // made for this move
   int reused_visits = 0;      // kept from the previous move's tree
   double mean_depth = 0;      // environment steps from root to leaf
@@ -130,6 +130,7 @@ class Search {
   // Result
   [[nodiscard]] int VariationLength(Action first) const;
   [[nodiscard]] std::optional<std::size_t> WinningAction(const Node& node) const;
+  [[nodiscard]] ActionSet RootActions() const;
   [[nodiscard]] RootStatistics Candidates() const;
   void ChooseFrom(RootStatistics candidates, SearchResult& result) const;
   void ExpectActions(SearchResult& result) const;
