@@ -7,15 +7,17 @@
 #include "common/pommerman/step.h"
 
 namespace powderkeg {
-namespace {
 
-// The furthest a bomb gets in one step: a deflected one, diagonally.
-constexpr int kBombStride = 2;
-
-// What an observation shows, as sets and lists.
 struct Sight {
   explicit Sight(const Observation& observation);
+  // What Observe(settings, state, viewer) shows, without writing it down.
+  Sight(const GameSettings& settings, const State& state, AgentId viewer);
 
+  AgentId self;
+  std::uint16_t step;
+  Message message;  // the mate's, radio
+  std::array<bool, kAgentCount> alive;
+  AgentState own;
   BitBoard visible;
   BitBoard rigid;
   BitBoard wood;
@@ -28,14 +30,24 @@ struct Sight {
 
  private:
   void LookAt(Cell cell, const Observation& observation);
+  void AddBomb(Cell cell, int life, std::uint8_t blast_strength, Direction direction);
 };
 
-Sight::Sight(const Observation& observation) {
+Sight::Sight(const Observation& observation)
+    : self(observation.self),
+      step(observation.step),
+      message(observation.message),
+      alive(observation.alive),
+      own{.cell = observation.position,
+          .ammo = observation.ammo,
+          .blast_strength = observation.blast_strength,
+          .alive = observation.alive[observation.self],
+          .can_kick = observation.can_kick} {
   agents.fill(kNoCell);
   for (Cell cell = 0; cell < kCellCount; ++cell) {
     if (observation.board[cell] != CellValue::kFog) LookAt(cell, observation);
   }
-  if (observation.alive[observation.self]) agents[observation.self] = observation.position;
+  if (own.alive) agents[self] = own.cell;
 }
 
 void Sight::LookAt(Cell cell, const Observation& observation) {
@@ -49,14 +61,61 @@ void Sight::LookAt(Cell cell, const Observation& observation) {
   if (const int life = observation.flame_life[cell]; life > 0) {
     newest_flames[std::min(life, 3) - 1].Add(cell);
   }
-  if (observation.bomb_blast_strength[cell] > 0 && bomb_count < kMaxBombs) {
-    Bomb& bomb = bombs[bomb_count++];
-    bomb.cell = static_cast<std::uint8_t>(cell);
-    bomb.life = static_cast<std::int8_t>(observation.bomb_life[cell]);
-    bomb.blast_strength = observation.bomb_blast_strength[cell];
-    bomb.set_direction(observation.bomb_moving_direction[cell]);
+  if (observation.bomb_blast_strength[cell] > 0) {
+    AddBomb(cell, observation.bomb_life[cell], observation.bomb_blast_strength[cell],
+            observation.bomb_moving_direction[cell]);
   }
 }
+
+void Sight::AddBomb(Cell cell, int life, std::uint8_t blast_strength, Direction direction) {
+  if (bomb_count == kMaxBombs) return;
+  Bomb& bomb = bombs[bomb_count++];
+  bomb.cell = static_cast<std::uint8_t>(cell);
+  bomb.life = static_cast<std::int8_t>(life);
+  bomb.blast_strength = blast_strength;
+  bomb.set_direction(direction);
+}
+
+Sight::Sight(const GameSettings& settings, const State& state, AgentId viewer)
+    : self(viewer),
+      step(state.step),
+      message(settings.mode == Mode::kTeamRadio ? state.messages[TeamMateOf(settings.mode, viewer)]
+                                                : Message{}),
+      own(state.agents[viewer]),
+      visible(VisibleCells(settings, own.cell)) {
+  agents.fill(kNoCell);
+  BitBoard covered = state.bomb_cells | state.Flames();
+  for (AgentId id = 0; id < kAgentCount; ++id) {
+    const AgentState& agent = state.agents[id];
+    alive[id] = agent.alive;
+    if (!agent.alive || !visible.Has(agent.cell)) continue;
+    agents[id] = agent.cell;
+    covered.Add(agent.cell);
+  }
+  const BitBoard open = visible & ~covered;
+  rigid = state.rigid & open;
+  wood = state.wood & open;
+  const BitBoard items = state.VisibleItems() & open;
+  item_low = state.item_low & items;
+  item_high = state.item_high & items;
+  BitBoard newer;
+  for (int life = 2; life >= 0; --life) {
+    newest_flames[life] = state.flames[life] & visible & ~newer;
+    newer |= state.flames[life];
+  }
+  for (const Bomb& bomb : state.Bombs()) {
+    if (visible.Has(bomb.cell)) {
+      AddBomb(bomb.cell, bomb.life, bomb.blast_strength, bomb.direction());
+    }
+  }
+  std::sort(bombs.begin(), bombs.begin() + bomb_count,
+            [](const Bomb& a, const Bomb& b) { return a.cell < b.cell; });
+}
+
+namespace {
+
+// The furthest a bomb gets in one step: a deflected one, diagonally.
+constexpr int kBombStride = 2;
 
 const Bomb* BombIn(const Sight& sight, Cell cell) {
   const auto end = sight.bombs.begin() + sight.bomb_count;
@@ -150,17 +209,13 @@ void SeeCells(const Sight& sight, State& state) {
   state.item_high = (state.item_high & ~sight.visible) | sight.item_high;
 }
 
-void SeeAgents(const Observation& observation, const Sight& sight, State& state) {
+void SeeAgents(const Sight& sight, State& state) {
   for (AgentId id = 0; id < kAgentCount; ++id) {
     AgentState& agent = state.agents[id];
-    agent.alive = observation.alive[id];
+    agent.alive = sight.alive[id];
     if (sight.agents[id] != kNoCell) agent.cell = static_cast<std::uint8_t>(sight.agents[id]);
   }
-  AgentState& self = state.agents[observation.self];
-  self.cell = observation.position;
-  self.ammo = observation.ammo;
-  self.blast_strength = observation.blast_strength;
-  self.can_kick = observation.can_kick;
+  state.agents[sight.self] = sight.own;
 }
 
 // Finds out whose the bombs in view are, and which of those out of sight there still are. Bombs are
@@ -325,13 +380,13 @@ void HideAgents(const Sight& sight, State& state) {
 }
 
 // Agent i starts in corner i. Where corners are permuted, whose corner we start in has ours.
-void PlaceAtStart(const GameSettings& settings, const Observation& observation, State& state) {
+void PlaceAtStart(const GameSettings& settings, const Sight& sight, State& state) {
   const int last = settings.board_size - 2;
   std::array<Cell, kAgentCount> corners = {CellAt(1, 1), CellAt(last, 1), CellAt(last, last),
                                            CellAt(1, last)};
   if (settings.mode == Mode::kOneVsOne) std::swap(corners[1], corners[2]);
-  const auto own = std::ranges::find(corners, Cell{observation.position});
-  if (own != corners.end()) std::swap(*own, corners[observation.self]);
+  const auto own = std::ranges::find(corners, Cell{sight.own.cell});
+  if (own != corners.end()) std::swap(*own, corners[sight.self]);
   for (AgentId id = 0; id < kAgentCount; ++id) {
     state.agents[id].cell = static_cast<std::uint8_t>(corners[id]);
   }
@@ -339,34 +394,37 @@ void PlaceAtStart(const GameSettings& settings, const Observation& observation, 
 
 }  // namespace
 
-void Belief::Observe(const Observation& observation) {
-  const Sight sight(observation);
-  self_ = observation.self;
-  if (ever_seen_.Empty()) PlaceAtStart(settings_, observation, state_);
+void Belief::Observe(const Observation& observation) { See(Sight(observation)); }
+
+void Belief::Observe(const State& truth, AgentId viewer) { See(Sight(settings_, truth, viewer)); }
+
+void Belief::See(const Sight& sight) {
+  self_ = sight.self;
+  if (ever_seen_.Empty()) PlaceAtStart(settings_, sight, state_);
   State before;
-  if (ever_seen_.Any() && observation.step == state_.step + 1) {
+  if (ever_seen_.Any() && sight.step == state_.step + 1) {
     before = state_;
     state_ = Predict(settings_, sight, before);
   }
-  state_.step = observation.step;
-  SeeAgents(observation, sight, state_);
+  state_.step = sight.step;
+  SeeAgents(sight, state_);
   SeeCells(sight, state_);
   SeeFlames(sight, state_);
   BombMatch(sight, self_, before, state_).Run();
   HideAgents(sight, state_);
   Collapse(settings_, state_);
-  state_.agents[self_].alive = observation.alive[self_];
+  state_.agents[self_].alive = sight.own.alive;
   visible_ = sight.visible;
   ever_seen_ |= visible_;
-  if (settings_.mode == Mode::kTeamRadio) Listen(observation);
+  if (settings_.mode == Mode::kTeamRadio) Listen(sight.message);
 }
 
-void Belief::Listen(const Observation& observation) {
+void Belief::Listen(const Message& message) {
   AgentState& mate = state_.agents[TeamMateOf(settings_.mode, self_)];
-  mate_.Hear(observation.step, observation.message);
+  mate_.Hear(state_.step, message);
   if (!mate.alive) return;
   if (visible_.Has(mate.cell)) {
-    mate_.See(observation.step, mate.cell);
+    mate_.See(state_.step, mate.cell);
   } else if (const std::optional<Cell> cell = mate_.cell()) {
     const BitBoard places = HidingPlaces(state_, visible_) | BitBoard::Of(mate.cell);
     mate.cell = static_cast<std::uint8_t>(Nearest(places, *cell));

@@ -12,6 +12,8 @@
 
 namespace powderkeg {
 
+struct Sight;  // what one observation shows, as sets and lists (belief.cc)
+
 // Turns the stream of one agent's observations into the State its search steps from: hidden items
 // are unknown (none), bombs have the owner that can have laid them, opponents' statistics are
 // inferred. A value; give it every observation of a game in order, the first one included.
@@ -36,6 +38,9 @@ class Belief {
   explicit Belief(const GameSettings& settings) : settings_(settings) {}
 
   void Observe(const Observation& observation);
+  // What `viewer` sees of the true position, taken before Collapse: the same as
+  // Observe(powderkeg::Observe(settings, truth, viewer)) in less than half the time.
+  void Observe(const State& truth, AgentId viewer);
 
   // What an agent that plays `action` on this tells its mate (radio_code.h).
   [[nodiscard]] Message Report(Action action) const;
@@ -50,7 +55,8 @@ class Belief {
   [[nodiscard]] BitBoard ever_seen() const { return ever_seen_; }
 
  private:
-  void Listen(const Observation& observation);
+  void See(const Sight& sight);
+  void Listen(const Message& message);
 
   GameSettings settings_;
   State state_;

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "common/pommerman/belief.h"
-#include "common/pommerman/observation.h"
 #include "common/record/game_setup.h"
 #include "common/recorded/recorded_game.h"
 
@@ -27,7 +26,7 @@ class Teacher {
       if (!state.agents[agent].alive) continue;
       ++lived_[agent];
       if (!beliefs_[agent]) continue;
-      beliefs_[agent]->Observe(powderkeg::Observe(settings(), state, agent));
+      beliefs_[agent]->Observe(state, agent);
       if (seat(agent).teaches == Teaches::kMoves) {
         AddDemonstration(agent, actions);
       } else {

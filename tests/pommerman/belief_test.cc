@@ -123,6 +123,34 @@ void ExpectInvariants(const State& state) {
   EXPECT_EQ(bombs.Count(), state.bomb_count);
 }
 
+TEST(BeliefTest, TheTruthAsSeenTeachesWhatItsObservationTeaches) {
+  Rng words(1);
+  for (const GameSettings& settings :
+       {kFullView, kFog, GameSettingsFor("PommeRadioCompetition-v2").value(),
+        GameSettingsFor("OneVsOne-v0").value_or(kFog)}) {
+    for (std::uint64_t seed = 0; seed < 30; ++seed) {
+      std::array<Belief, kAgentCount> told = {Belief(settings), Belief(settings), Belief(settings),
+                                              Belief(settings)};
+      std::array<Belief, kAgentCount> shown = told;
+      State state = seed % 2 == 0 ? RandomStart(settings, seed) : CrowdedStart(settings, seed);
+      Rng rng(seed);
+      for (int step = 0; step < 150 && !OutcomeOf(settings, state).done; ++step) {
+        for (Message& message : state.messages) {
+          for (auto& word : message) word = static_cast<std::uint8_t>(words.Below(9));
+        }
+        for (AgentId id = 0; id < kAgentCount; ++id) {
+          told[id].Observe(Observe(settings, state, id));
+          shown[id].Observe(state, id);
+          ASSERT_EQ(told[id].state(), shown[id].state()) << seed << " " << step << " " << id;
+          ASSERT_EQ(told[id].visible(), shown[id].visible());
+        }
+        Collapse(settings, state);
+        Step(settings, RandomActions(rng), state);
+      }
+    }
+  }
+}
+
 TEST(BeliefTest, UnderFogItShowsWhatIsSeenAndKeepsTheInvariants) {
   for (std::uint64_t seed = 0; seed < 16; ++seed) {
     Belief belief(kFog);
