@@ -38,12 +38,12 @@ class Workshop:
     # Runs.
 
     def iterations(self, run: Run) -> list[dict[str, str]]:
-        """The lines of its iterations.csv so far."""
+        """The whole lines of its iterations.csv so far."""
         file = self.root / "runs" / run.name / "iterations.csv"
         if not file.exists():
             return []
         with open(file, encoding="utf-8", newline="") as lines:
-            return list(csv.DictReader(lines))
+            return [line for line in csv.DictReader(lines) if None not in line.values()]
 
     def trained(self, run: Run) -> bool:
         """Whether it is complete. Throws Failure if what it learned is gone."""
