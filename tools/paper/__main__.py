@@ -98,7 +98,7 @@ class Plan:
             seconds = cost.of_cell(cell, self.budget, speed)
             jobs.append(Job(cell.name, partial(self.workshop.play, cell), seconds))
         say(
-            f"{len(self.runs)} trainings and {len(self.cells)} matches are missing: about "
+            f"{len(self.runs)} to train and {len(self.cells)} to play: about "
             f"{cost.time(sum(job.seconds for job in jobs))} at {speed:,.0f} simulations/s, and "
             f"{cost.size(needed)} of {cost.size(free)}"
         )
@@ -137,10 +137,10 @@ def run(arguments: argparse.Namespace) -> None:
     if "list" in arguments.steps:
         list_steps(found, workshop)
         return
-    workshop.claim()
     names = list(STEPS) if "all" in arguments.steps else arguments.steps
     wanted = [found[name] for name in names]
     if not arguments.report:
+        workshop.claim()
         if not arguments.no_build:
             programs = ["learner", "actor", "arena"]
             subprocess.run([ROOT / "deploy/build", "release", *programs], check=True)
