@@ -35,7 +35,7 @@ struct MatchSummary {
   double own_deaths_per_game = 0;  // share of games in which its own bombs alone killed it
   double cells_in_window = 0;      // distinct cells in 20 moves in a row; 0: it never lived so long
   std::array<double, kActionCount> action_shares{};  // sum 1
-  std::array<std::uint64_t, kCellCount> heat_map{};  // moves made on each cell
+  std::array<std::uint64_t, kCellCount> heat_map{};  // SeatStatistics::cells
 };
 
 [[nodiscard]] MatchSummary Summarize(const MatchSettings& settings, const Match& match);

@@ -125,7 +125,8 @@ void Game::RecordMove(AgentId seat) {
   SeatStatistics& statistics = statistics_[seat];
   ++statistics.moves;
   ++statistics.actions[static_cast<std::size_t>(actions_[seat])];
-  CountCell(state_.agents[seat].cell, recent_cells_[seat], statistics);
+  CountCell(state_.agents[seat].cell, plan_.setup.settings.board_size, recent_cells_[seat],
+            statistics);
   if (!plan_.setup.seats[seat].searches) return;
   if (plan_.setup.seats[seat].teaches == Teaches::kSearch) RecordDecision(seat);
   const MoveStatistics move = plan_.agents[seat].agent->move_statistics();

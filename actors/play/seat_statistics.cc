@@ -21,6 +21,14 @@ void CountDeath(AgentId victim, AgentSet killers, Mode mode, GameStatistics& sta
   }
 }
 
+// Where `cell` is on the board mirrored so that `start` is in its top left quarter.
+Cell FromTopLeft(Cell cell, Cell start, int board_size) {
+  const auto mirrored = [board_size](int line, int from) {
+    return 2 * from < board_size ? line : board_size - 1 - line;
+  };
+  return CellAt(mirrored(RowOf(cell), RowOf(start)), mirrored(ColumnOf(cell), ColumnOf(start)));
+}
+
 }  // namespace
 
 SeatStatistics& SeatStatistics::operator+=(const SeatStatistics& other) {
@@ -53,6 +61,7 @@ void CountEvents(const StepEvents& events, Mode mode, GameStatistics& statistics
 }
 
 void RecentCells::Add(Cell cell) {
+  if (moves_ == 0) start_ = cell;
   cells_[static_cast<std::size_t>(moves_ % kMoves)] = static_cast<std::uint8_t>(cell);
   ++moves_;
 }
@@ -63,9 +72,9 @@ int RecentCells::Distinct() const {
   return cells.Count();
 }
 
-void CountCell(Cell cell, RecentCells& recent, SeatStatistics& statistics) {
-  ++statistics.cells[cell];
+void CountCell(Cell cell, int board_size, RecentCells& recent, SeatStatistics& statistics) {
   recent.Add(cell);
+  ++statistics.cells[FromTopLeft(cell, recent.start(), board_size)];
   if (!recent.full()) return;
   ++statistics.windows;
   statistics.window_cells += static_cast<std::uint64_t>(recent.Distinct());

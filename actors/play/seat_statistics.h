@@ -32,9 +32,10 @@ struct SeatStatistics {
   std::uint32_t mate_kills = 0;
   std::uint32_t own_deaths = 0;  // in flames of its own bombs alone
 
-  std::array<std::uint32_t, kCellCount> cells{};  // moves made on each cell; sum: moves
-  std::uint32_t windows = 0;                      // runs of RecentCells::kMoves moves, overlapping
-  std::uint64_t window_cells = 0;                 // distinct cells in each, summed
+  // Moves made on each cell of the board, mirrored so that the agent started top left; sum: moves.
+  std::array<std::uint32_t, kCellCount> cells{};
+  std::uint32_t windows = 0;       // runs of RecentCells::kMoves moves, overlapping
+  std::uint64_t window_cells = 0;  // distinct cells in each, summed
 
   SeatStatistics& operator+=(const SeatStatistics& other);
 };
@@ -45,7 +46,7 @@ using GameStatistics = std::array<SeatStatistics, kAgentCount>;
 // Counts bombs, kicks and deaths of one step.
 void CountEvents(const StepEvents& events, Mode mode, GameStatistics& statistics);
 
-// The cells of an agent's last moves. A value.
+// The cells of an agent's first and last moves. A value.
 class RecentCells {
  public:
   static constexpr int kMoves = 20;
@@ -55,13 +56,16 @@ class RecentCells {
   [[nodiscard]] bool full() const { return moves_ >= kMoves; }
   // Distinct cells among the last kMoves moves.
   [[nodiscard]] int Distinct() const;
+  // Where the first move was made. Requires one.
+  [[nodiscard]] Cell start() const { return start_; }
 
  private:
   std::array<std::uint8_t, kMoves> cells_{};  // a ring
+  Cell start_ = kNoCell;
   int moves_ = 0;
 };
 
 // Counts a move made on `cell`: there, and in the window that it completes.
-void CountCell(Cell cell, RecentCells& recent, SeatStatistics& statistics);
+void CountCell(Cell cell, int board_size, RecentCells& recent, SeatStatistics& statistics);
 
 }  // namespace powderkeg

@@ -55,17 +55,32 @@ TEST(CountEvents, CountsMatesApart) {
 TEST(RecentCells, CountsDistinctCellsOfTheLastTwentyMoves) {
   RecentCells recent;
   SeatStatistics statistics;
-  for (Cell cell = 0; cell < 19; ++cell) CountCell(cell, recent, statistics);
+  for (Cell cell = 0; cell < 19; ++cell) CountCell(cell, kBoardSize, recent, statistics);
   EXPECT_FALSE(recent.full());
   EXPECT_EQ(statistics.windows, 0u);
-  CountCell(0, recent, statistics);  // cells 0 to 18 in 20 moves
+  CountCell(0, kBoardSize, recent, statistics);  // cells 0 to 18 in 20 moves
   EXPECT_EQ(statistics.windows, 1u);
   EXPECT_EQ(statistics.window_cells, 19u);
-  CountCell(120, recent, statistics);  // the first move drops out, its cell is still there
+  CountCell(120, kBoardSize, recent,
+            statistics);  // the first move drops out, its cell is still there
   EXPECT_EQ(recent.Distinct(), 20);
-  for (int i = 0; i < 30; ++i) CountCell(5, recent, statistics);
+  for (int i = 0; i < 30; ++i) CountCell(5, kBoardSize, recent, statistics);
   EXPECT_EQ(recent.Distinct(), 1);
   EXPECT_EQ(statistics.windows, 32u);
+}
+
+TEST(CountCell, MirrorsTheBoardSoThatEveryStartIsTopLeft) {
+  // Row and column of a start, of a cell two rows below it on the mirrored board, and the size.
+  constexpr std::array<std::array<int, 5>, 5> kStarts = {
+      {{1, 1, 3, 1, 11}, {9, 1, 7, 1, 11}, {9, 9, 7, 9, 11}, {1, 9, 3, 9, 11}, {6, 6, 4, 6, 8}}};
+  for (const auto& [row, column, next_row, next_column, board_size] : kStarts) {
+    RecentCells recent;
+    SeatStatistics statistics;
+    CountCell(CellAt(row, column), board_size, recent, statistics);
+    CountCell(CellAt(next_row, next_column), board_size, recent, statistics);
+    EXPECT_EQ(statistics.cells[CellAt(1, 1)], 1u) << row << " " << column;
+    EXPECT_EQ(statistics.cells[CellAt(3, 1)], 1u) << row << " " << column;
+  }
 }
 
 TEST(SeatStatistics, AddsUpEverything) {
