@@ -111,10 +111,12 @@ RunConfig ConfigOfRun(const std::filesystem::path& folder, const std::string& fi
   return now;
 }
 
-void CheckRun(const std::filesystem::path& folder, const std::string& file,
-              std::span<const std::string> changes) {
+RunConfig CheckRun(const std::filesystem::path& folder, const std::string& file,
+                   std::span<const std::string> changes) {
   static_cast<void>(RunNameOf(folder));
-  static_cast<void>(ConfigOfRun(folder, file, changes));
+  RunConfig config = ConfigOfRun(folder, file, changes);
+  WarnOfTrees("each game loop of an actor", TreeBytesOfLoop(config.self_play));
+  return config;
 }
 
 void StoreConfig(const std::filesystem::path& folder, const RunConfig& config) {
