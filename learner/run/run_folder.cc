@@ -21,6 +21,7 @@
 #include "common/base/name.h"
 #include "common/base/unique.h"
 #include "common/config/config.h"
+#include "common/config/tree_memory.h"
 #include "common/model/model_name.h"
 #include "learner/replay/demonstrations.h"
 
