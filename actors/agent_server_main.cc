@@ -19,6 +19,7 @@
 #include "common/base/log.h"
 #include "common/base/run_main.h"
 #include "common/config/agent_spec.h"
+#include "common/config/tree_memory.h"
 #include "common/http/http_server.h"
 #include "common/model/evaluation_cache.h"
 #include "common/model/model_name.h"
@@ -203,6 +204,9 @@ int Run(const Arguments& arguments) {
   AllowManyDescriptors();
   std::signal(SIGPIPE, SIG_IGN);
   log::Init(/*file=*/"", log::LevelFor(arguments.log_level));
+  std::size_t tree_bytes = 0;
+  for (const AgentSpec& agent : agents) tree_bytes += TreeBytes(agent);
+  RequireMemoryForTrees("these agents", tree_bytes);
   InitialiseEvaluators();
   std::vector<Seat> seats;
   for (std::size_t i = 0; i < agents.size(); ++i) {

@@ -20,6 +20,7 @@
 #include "common/base/check.h"
 #include "common/base/run_main.h"
 #include "common/config/agent_spec.h"
+#include "common/config/tree_memory.h"
 #include "common/model/model_name.h"
 
 namespace powderkeg {
@@ -274,6 +275,7 @@ int Run(const Arguments& arguments) {
       lineups;  // all at once: a mistake should not surface after the first match
   for (const Measured& each : measured) {
     lineups.push_back(LineupOf(each.agent, arguments, settings.match.game.mode));
+    RequireMemoryForTrees(each.agent, TreeBytes(lineups.back(), settings.match));
   }
   InitialiseEvaluators();
   Bars bars(lineups, arguments.games);

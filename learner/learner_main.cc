@@ -74,9 +74,8 @@ int Run(Options& options) {
     AllowManyDescriptors();
     options.learner.http = DashboardServer(options.http);
     const LearnerSettings& learner = options.learner;
-    CheckRun(learner.folder, learner.config, learner.changes);
+    const RunConfig config = CheckRun(learner.folder, learner.config, learner.changes);
     if (options.check) {
-      const RunConfig config = ConfigOfRun(learner.folder, learner.config, learner.changes);
       CheckDemonstrations(learner.folder, learner.demonstrations, config.self_play.environment);
       return kDone;
     }

@@ -160,9 +160,12 @@ void CheckSpool(const fs::path& file, const std::map<std::uint64_t, int>& stored
   Say(StrCat(file.string(), ": ", all, " games, of these not stored: ", TicketsText(waiting)));
 }
 
-int CheckRunFolder(const fs::path& run) {
+int CheckRunFolder(const fs::path& run, bool list) {
   if (!fs::is_directory(run)) throw Error(StrCat(run.string(), " is no folder of a run"));
   const std::map<std::uint64_t, int> stored = CheckSegments(run / "replay");
+  if (list) {
+    for (const auto& [ticket, times] : stored) Say(StrCat("ticket ", ticket));
+  }
   const DataSets done = CheckCheckpoints(run / "checkpoints");
   CheckTable(run / "iterations.csv", done.count);
   for (const auto& spool : fs::recursive_directory_iterator(run)) {
@@ -182,11 +185,13 @@ int CheckRunFolder(const fs::path& run) {
 
 int main(int argc, char** argv) {
   std::string run;
+  bool list = false;
   CLI::App app(
       "Reads a run's folder, best while no learner works in it, and says what is lost, doubled or\n"
       "out of order in games, checkpoints, table and spools. Changes nothing; 1 if there is a "
       "fault.",
       "check_run");
   app.add_option("run", run, "runs/NAME")->required();
-  return powderkeg::RunMain(app, argc, argv, [&] { return powderkeg::CheckRunFolder(run); });
+  app.add_flag("--tickets", list, "name every stored game by its ticket, one a line");
+  return powderkeg::RunMain(app, argc, argv, [&] { return powderkeg::CheckRunFolder(run, list); });
 }

@@ -12,6 +12,7 @@
 #include "actors/play/agent_pool.h"
 #include "common/base/check.h"
 #include "common/base/worker.h"
+#include "common/config/tree_memory.h"
 #include "common/pommerman/board_text.h"
 
 namespace powderkeg {
@@ -228,6 +229,17 @@ GameSetup SetupOf(const MatchSettings& settings, const MatchLineup& lineup, int 
         .player = static_cast<std::uint8_t>(role)};
   }
   return setup;
+}
+
+std::size_t TreeBytes(const MatchLineup& lineup, const MatchSettings& settings) {
+  const int seats = SeatCount(settings.game.mode);
+  const int trees =
+      std::min(settings.games, settings.threads * GamesInFlight(settings, lineup) * seats);
+  std::size_t bytes = 0;
+  for (int role = 0; role < seats; ++role) {
+    bytes += static_cast<std::size_t>(trees) * TreeBytes(lineup[role]);
+  }
+  return bytes;
 }
 
 MatchPlayer::MatchPlayer(const MatchLineup& lineup, const MatchSettings& settings,

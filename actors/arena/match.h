@@ -3,6 +3,7 @@
 // Matches: the same agents over many games, on all cores.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -57,6 +58,9 @@ struct Match {
 // The setup of game `number`; depends on the seed of the match, not on the agents' strength.
 [[nodiscard]] GameSetup SetupOf(const MatchSettings& settings, const MatchLineup& lineup,
                                 int number);
+
+// What the search trees of the match take, once everybody has played every seat.
+[[nodiscard]] std::size_t TreeBytes(const MatchLineup& lineup, const MatchSettings& settings);
 
 // Who looks on. Called one call at a time, from any thread.
 struct MatchObserver {

@@ -7,6 +7,7 @@
 
 #include "actors/search/portable_math.h"
 #include "common/base/check.h"
+#include "common/config/tree_memory.h"
 
 namespace powderkeg {
 namespace {
@@ -51,6 +52,9 @@ Tree::Tree(const SearchSettings& settings)
       c_puct_base_(settings.c_puct_base) {}
 
 void Tree::Reserve(std::size_t nodes, std::size_t visits) {
+  static_assert(sizeof nodes_[0] + sizeof under_way_[0] + sizeof foretold_[0] +
+                    sizeof exploration_[0] ==
+                kTreeNodeBytes);
   if (nodes_.size() < nodes) {
     nodes_.resize(nodes);
     under_way_.resize(nodes);

@@ -9,6 +9,7 @@
 #include "common/base/check.h"
 #include "common/base/log.h"
 #include "common/base/worker.h"
+#include "common/config/tree_memory.h"
 #include "common/pommerman/game_settings.h"
 
 namespace powderkeg {
@@ -83,6 +84,8 @@ std::shared_ptr<const Welcome> SelfPlay::WaitUntilReady(const std::stop_token& s
 
 // Until the settings change, somebody fails or the end.
 void SelfPlay::Play(const std::stop_token& stop, const std::shared_ptr<const Welcome>& welcome) {
+  RequireMemoryForTrees("the run's games",
+                        settings_.session.loops * TreeBytesOfLoop(welcome->self_play));
   std::vector<std::unique_ptr<Worker>> loops;
   for (std::size_t i = 0; i < settings_.session.loops; ++i) {
     loops.push_back(std::make_unique<Worker>(

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kReadBytes = std::size_t{1} << 20;
+constexpr std::size_t kReadBytes = std::size_t{1} << 16;
 
 [[noreturn]] void Fail(std::string_view what, const fs::path& path, int error) {
   throw Error(StrCat("cannot ", what, " ", path.string(), ": ", std::strerror(error)));

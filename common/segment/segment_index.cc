@@ -86,10 +86,10 @@ std::optional<SegmentIndex> IndexAtEnd(std::span<const std::uint8_t> bytes) {
 FoundIndex FindIndex(std::span<const std::uint8_t> file) {
   std::optional<SegmentIndex> index = IndexAtEnd(file);
   for (std::span<const std::uint8_t> rest = file; !index;) {
-    const auto mark = std::ranges::find_end(rest, BytesOf(kMark));
-    if (mark.empty()) return {};
-    index = IndexAtEnd({rest.begin(), mark.end()});
-    rest = {rest.begin(), mark.begin()};
+    const auto mark = std::find_end(rest.begin(), rest.end(), kMark.begin(), kMark.end());
+    if (mark == rest.end()) return {};
+    index = IndexAtEnd({rest.begin(), mark + kMark.size()});
+    rest = {rest.begin(), mark};
   }
   const std::size_t hdf5 = std::min<std::size_t>(index->hdf5_bytes, file.size());
   const bool as_written =

@@ -6,26 +6,29 @@
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstddef>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace powderkeg {
 namespace {
 
-// What the owner of a socket has read from it; 0 where the system does not count it, nullopt if the
-// socket is gone.
-std::optional<std::uint64_t> BytesRead(int socket) {
+// That have come to a socket and that its owner has not read; nullopt if the socket is gone.
+std::optional<std::uint64_t> BytesWaiting(int socket) {
+  int waiting = 0;
+  if (ioctl(socket, FIONREAD, &waiting) != 0) return std::nullopt;
+  return static_cast<std::uint64_t>(std::max(waiting, 0));
+}
+
+// That have come in all; nullopt where the system does not count them.
+std::optional<std::uint64_t> BytesReceived(int socket) {
   tcp_info info{};
   socklen_t size = sizeof info;
-  if (getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) {
-    return errno == EBADF || errno == ENOTSOCK ? std::nullopt : std::optional<std::uint64_t>(0);
-  }
-  if (size < offsetof(tcp_info, tcpi_bytes_received) + sizeof info.tcpi_bytes_received) return 0;
-  int waiting = 0;
-  ioctl(socket, FIONREAD, &waiting);
-  return info.tcpi_bytes_received - static_cast<std::uint64_t>(std::max(waiting, 0));
+  constexpr std::size_t kEnd =
+      offsetof(tcp_info, tcpi_bytes_received) + sizeof info.tcpi_bytes_received;
+  if (getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 || size < kEnd) return {};
+  return info.tcpi_bytes_received;
 }
 
 }  // namespace
@@ -43,6 +46,16 @@ void ConnectionWatch::Heard(int socket) {
   if (++heard_ < 2 * connections_.size()) return;
   heard_ = 0;
   ++turn_;
+}
+
+// Nobody sends without an end and lets nothing wait: where the system does not count, what waits
+// counts, unless it is what waited before.
+std::optional<std::uint64_t> ConnectionWatch::BytesRead(int socket, Connection& connection) {
+  const auto waiting = BytesWaiting(socket);
+  if (!waiting) return std::nullopt;
+  if (const auto received = BytesReceived(socket)) return *received - *waiting;
+  if (*waiting != std::exchange(connection.waiting, *waiting)) connection.guessed += *waiting;
+  return connection.guessed;
 }
 
 void ConnectionWatch::Look(std::uint64_t bytes, Connection& connection) const {
@@ -67,7 +80,7 @@ std::size_t ConnectionWatch::CutExcess() {
   std::uint64_t unfinished = 0;
   for (auto next = connections_.begin(); next != connections_.end();) {
     auto& [socket, connection] = *next++;
-    const auto bytes = BytesRead(socket);
+    const auto bytes = BytesRead(socket, connection);
     if (bytes) Look(*bytes, connection);
     if (bytes && connection.unfinished <= limits_.unfinished) {
       unfinished += connection.unfinished;

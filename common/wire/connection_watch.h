@@ -12,8 +12,8 @@ namespace powderkeg {
 
 struct ConnectionLimits {
   std::size_t connections;
-  // Bytes of a message that has not ended, as the system has counted them: of one connection, and
-  // of all together. 0 where it does not count them (ipc).
+  // Bytes of a message that has not ended, as the system has counted them or, where it does not
+  // (ipc), as looks at what waits tell: of one connection, and of all together.
   std::uint64_t unfinished;
   std::uint64_t unfinished_in_all;
 };
@@ -47,8 +47,12 @@ class ConnectionWatch {
     std::uint64_t seen = 0;  // that had come in turn `turn`
     std::uint64_t turn = 0;
     std::uint64_t unfinished = 0;
+    std::uint64_t waiting = 0;  // at the last look, and
+    std::uint64_t guessed = 0;  // that have come, where the system does not count
   };
 
+  // What the socket's owner has read from it; nullopt if the socket is gone.
+  [[nodiscard]] static std::optional<std::uint64_t> BytesRead(int socket, Connection& connection);
   void Look(std::uint64_t bytes, Connection& connection) const;
   void Cut(int socket);
   std::size_t CutSurplus();

@@ -405,7 +405,7 @@ class ZmqClient final : public ClientChannel {
     if (addresses_.size() == 1 || now - switched_ < milliseconds(kReconnectMs)) return;
     switched_ = now;
     socket_.disconnect(addresses_.front());
-    std::ranges::rotate(addresses_, addresses_.begin() + 1);
+    std::rotate(addresses_.begin(), addresses_.begin() + 1, addresses_.end());
     ConnectTo(addresses_.front());
   }
 

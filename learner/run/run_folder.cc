@@ -21,6 +21,7 @@
 #include "common/base/name.h"
 #include "common/base/unique.h"
 #include "common/config/config.h"
+#include "common/config/tree_memory.h"
 #include "common/model/model_name.h"
 #include "learner/replay/demonstrations.h"
 
@@ -111,10 +112,12 @@ RunConfig ConfigOfRun(const std::filesystem::path& folder, const std::string& fi
   return now;
 }
 
-void CheckRun(const std::filesystem::path& folder, const std::string& file,
-              std::span<const std::string> changes) {
+RunConfig CheckRun(const std::filesystem::path& folder, const std::string& file,
+                   std::span<const std::string> changes) {
   static_cast<void>(RunNameOf(folder));
-  static_cast<void>(ConfigOfRun(folder, file, changes));
+  RunConfig config = ConfigOfRun(folder, file, changes);
+  WarnOfTrees("each game loop of an actor", TreeBytesOfLoop(config.self_play));
+  return config;
 }
 
 void StoreConfig(const std::filesystem::path& folder, const RunConfig& config) {

@@ -44,9 +44,10 @@ class RunLock {
 [[nodiscard]] RunConfig ConfigOfRun(const std::filesystem::path& folder, const std::string& file,
                                     std::span<const std::string> changes);
 
-// Throws Error unless a learner may begin there, or go on, with these settings. Writes nothing.
-void CheckRun(const std::filesystem::path& folder, const std::string& file,
-              std::span<const std::string> changes);
+// The settings with which a learner may begin there, or go on; throws Error if it may not. Writes
+// nothing; warns where searches will take much memory.
+RunConfig CheckRun(const std::filesystem::path& folder, const std::string& file,
+                   std::span<const std::string> changes);
 
 // From now on the run has begun.
 void StoreConfig(const std::filesystem::path& folder, const RunConfig& config);

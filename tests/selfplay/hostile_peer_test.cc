@@ -6,6 +6,7 @@
 #include <netinet/in.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -42,7 +43,18 @@ std::string LargeHello(const std::string& name) {
   return Encode(Hello{.name = name, .loops = kMaxLoops, .tickets = std::move(tickets)});
 }
 
+int ConnectedToPath(const std::string& path) {
+  const int local = socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  CHECK(connect(local, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
+  return local;
+}
+
 int Connected(const std::string& endpoint) {
+  constexpr std::string_view kIpc = "ipc://";
+  if (endpoint.starts_with(kIpc)) return ConnectedToPath(endpoint.substr(kIpc.size()));
   const int tcp = socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -277,8 +289,7 @@ void ExpectLittleMemorySince([[maybe_unused]] std::size_t before,
 }
 
 // Frames of one byte that all belong to one message: 36 MB of them used to take 770 MB.
-TEST_F(HostilePeerTest, AMessageWithoutEndIsCutOff) {
-  TestActor actor([&] { return ConnectZmq(endpoint_, std::nullopt); });
+void ExpectCutsMessagesWithoutEnd(const std::string& endpoint) {
   const std::size_t before = Memory();
   std::string frames;
   for (int i = 0; i < 20'000; ++i) frames += std::string_view("\1\1x", 3);  // 1: more follow
@@ -287,7 +298,7 @@ TEST_F(HostilePeerTest, AMessageWithoutEndIsCutOff) {
     std::vector<std::jthread> peers;
     for (int i = 0; i < 3; ++i) {
       peers.emplace_back([&] {
-        DeafPeer peer(endpoint_);
+        DeafPeer peer(endpoint);
         int said = 0;
         while (said < 600 && peer.SayBytes(frames)) ++said;
         if (said < 600) ++cut;
@@ -296,7 +307,24 @@ TEST_F(HostilePeerTest, AMessageWithoutEndIsCutOff) {
   }
   EXPECT_EQ(cut, 3);
   ExpectLittleMemorySince(before, 200);
+}
+
+TEST_F(HostilePeerTest, AMessageWithoutEndIsCutOff) {
+  TestActor actor([&] { return ConnectZmq(endpoint_, std::nullopt); });
+  ExpectCutsMessagesWithoutEnd(endpoint_);
   ExpectServed(actor);
+}
+
+// The system does not count what comes over ipc.
+TEST_F(HostilePeerTest, AMessageWithoutEndOverIpcIsCutOff) {
+  const TemporarySpool folder;
+  const std::string endpoint = StrCat("ipc://", (folder.path() / "socket").string());
+  TestLearner learner(ListenZmq({.endpoint = endpoint}), PatientSettings());
+  TestActor actor([&] { return ConnectZmq(endpoint, std::nullopt); });
+  ExpectCutsMessagesWithoutEnd(endpoint);
+  ASSERT_TRUE(Eventually([&] { return actor.tickets.waiting() > 0; }));
+  actor.PlayOne();
+  EXPECT_TRUE(Eventually([&] { return actor.outbox.size() == 0; }));
 }
 
 // Of a peer with a key the system sees 35 bytes for each.
