@@ -26,6 +26,7 @@ void CountDeath(AgentId victim, AgentSet killers, Mode mode, GameStatistics& sta
 SeatStatistics& SeatStatistics::operator+=(const SeatStatistics& other) {
   moves += other.moves;
   AddEach(other.actions, actions);
+  late_moves += other.late_moves;
   searches += other.searches;
   simulations += other.simulations;
   depth_sum += other.depth_sum;
