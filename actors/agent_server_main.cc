@@ -88,6 +88,9 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
 // The agent's own words, changed by what holds for all.
 AgentSpec DescriptionOf(const std::string& text, const Arguments& arguments) {
   AgentSpec description = AgentFor(text, arguments.model);
+  if (description.kind == AgentSpec::Kind::kForeign) {
+    throw Error(StrCat("--agent ", text, ": expected an agent that is no server itself"));
+  }
   if (arguments.simulations > 0) description.search.simulations = arguments.simulations;
   if (arguments.move_time_ms > 0) {
     description.search.simulations = kEnoughSimulations;

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iostream>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <utility>
@@ -40,6 +41,7 @@ constexpr const char* kExamples = R"(Examples:
   arena --agent search --opponents simple_unbiased search:model=ffa idle
   arena --agent search --mate simple_unbiased --environment PommeTeamCompetition-v0
   arena --agent search:simulations=50 --agent search:simulations=200 --table strength.csv
+  arena --agent http:127.0.0.1:10080 --opponents official_simple     # anybody's agent
   deploy/plot-arena strength.csv                  # win rate over simulations, actions, heat maps
 
 The agents sit in every seat in turn, on the same boards for each --agent. Elo is over the average
@@ -47,6 +49,10 @@ opponent; in a free-for-all equal agents (who win 1 in 4) are 0 apart. Intervals
 Depth is the mean over simulations, variation the length of the principal variation, both in steps of
 the game. ms/move includes the whole game, on one thread; of one game alone: --threads 1
 --games-in-flight 1.
+
+http:HOST:PORT is a server of the official agent protocol, in any language, and arena its runner: it
+waits 150 ms for a move, then plays stop and says how often. A server plays one game at a time and
+has one seat; what the official runner would stop at stops the match with one line.
 
 --sprt FIGURE=LOW..HIGH asks whether the figure is LOW or HIGH and plays until that is answered
 (Wald's test; each answer wrong in 5 % at most) or --games are played:
@@ -194,6 +200,7 @@ MatchLineup LineupOf(const std::string& agent, const Arguments& arguments, Mode 
     throw Error(StrCat("--mate ", arguments.mate, ": ", arguments.environment,
                        " has no mates: expected a team environment"));
   }
+  CheckServers(std::span(lineup).first(static_cast<std::size_t>(SeatCount(mode))));
   return lineup;
 }
 

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <optional>
 #include <random>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -76,6 +77,8 @@ PlaySettings PlaySettingsOf(const Arguments& arguments) {
     const std::size_t given = std::min(i, arguments.opponents.size() - 1);
     settings.opponents[i] = AgentFor(arguments.opponents[given], arguments.model);
   }
+  CheckServers(
+      std::span(settings.opponents).first(static_cast<std::size_t>(SeatCount(game->mode) - 1)));
   settings.adviser = AgentFor(arguments.adviser, arguments.model);
   if (settings.adviser.kind != AgentSpec::Kind::kSearch) {
     throw Error(StrCat("--hints ", arguments.adviser, ": expected a search"));

@@ -26,8 +26,14 @@ double SecondsSince(Clock::time_point start) {
 
 AgentId SeatOf(int role, int number, int seats) { return (role + number) % seats; }
 
+// A server of the official protocol plays one game at a time.
+bool OneByOne(const MatchLineup& lineup) {
+  return std::ranges::find(lineup, AgentSpec::Kind::kForeign, &AgentSpec::kind) != lineup.end();
+}
+
 // Without a network, games side by side only crowd the caches.
 int GamesInFlight(const MatchSettings& settings, const MatchLineup& lineup) {
+  if (OneByOne(lineup)) return 1;
   if (settings.games_in_flight > 0) return settings.games_in_flight;
   constexpr int kWithModel = 16;
   const bool plain = std::ranges::all_of(lineup, &std::string::empty, &AgentSpec::model_file);
@@ -151,9 +157,10 @@ class MatchThread final : public GameHost {
     const int seats = SeatCount(settings_.game.mode);
     for (int role = 0; role < seats; ++role) {
       const AgentId seat = SeatOf(role, *number, seats);
-      if (plan.setup.seats[seat].searches)
-        plan.agents[seat] = {agents_.At(slot, seat, static_cast<std::size_t>(role)),
-                             models_.at(lineup_[role].model_file)};
+      if (!plan.setup.seats[seat].searches) continue;
+      // One agent for each role, whatever its seat.
+      plan.agents[seat] = {agents_.At(slot, /*seat=*/role, static_cast<std::size_t>(role)),
+                           models_.at(lineup_[role].model_file)};
     }
     return plan;
   }
@@ -247,6 +254,7 @@ MatchPlayer::MatchPlayer(const MatchLineup& lineup, const MatchSettings& setting
     : lineup_(lineup), settings_(settings) {
   CHECK(settings.threads > 0 && settings.games > 0, settings.threads, " ", settings.games);
   settings_.games_in_flight = GamesInFlight(settings, lineup);
+  if (OneByOne(lineup)) settings_.threads = 1;
   match_.roles = MeasuredRoles(lineup, settings.game.mode);
   for (int i = 0; i < settings_.threads; ++i) {
     threads_.push_back(std::make_unique<MatchThread>(lineup_, settings_, match_.roles, loader));

@@ -28,6 +28,7 @@ struct MatchSettings {
   StartSettings start{BoardGenerator::kOfficial, StartCorners::kPermuted};
   std::uint64_t seed = 1;  // of the boards and of everybody's choices
   int games = 100;         // at most
+  // One thread and one game in flight where an agent is a server.
   int threads = 1;
   int games_in_flight = 0;  // per thread; 0: 16 where an agent has a model, else 1
   // Where the position is written that a network had no number for.

@@ -85,6 +85,20 @@ std::string SearchText(const MatchSummary& summary) {
   return text;
 }
 
+// The moves that servers missed: whom they beat, and who beats them, is then not quite what it
+// seems.
+std::string LateText(const Contender& contender) {
+  std::string text;
+  for (std::size_t role = 0; role < contender.roles.size(); ++role) {
+    SeatStatistics sum;
+    for (const PlayedGame& game : contender.match.games) sum += game.statistics[role];
+    if (sum.late_moves == 0) continue;
+    text += Format("  late    %u of %u moves of ", sum.late_moves, sum.moves) +
+            contender.roles[role] + ", instead of which it stopped\n";
+  }
+  return text;
+}
+
 std::string DifferenceText(const Difference& difference) {
   return Format(
              "  against the first, board by board: win %+.3f [%+.3f, %+.3f]"
@@ -107,7 +121,7 @@ std::string ContenderText(const Contender& contender) {
       "  over the average opponent\n" +
       Format("  steps   %5.1f   (sd %.1f; alive for %.1f)\n", summary.steps.mean(),
              summary.steps.standard_deviation(), summary.moves_per_game) +
-      SearchText(summary) + ActionsText(summary) + ActsText(summary);
+      SearchText(summary) + LateText(contender) + ActionsText(summary) + ActsText(summary);
   if (contender.difference) text += DifferenceText(*contender.difference);
   if (contender.test) text += "  question " + ToText(*contender.test) + "\n";
   return text;

@@ -17,6 +17,7 @@ namespace powderkeg {
 
 // What an agent tells of its last move beside the move, for reports.
 struct MoveStatistics {
+  bool late = false;  // it did not move in time: the environment plays kStop for it
   std::uint32_t simulations = 0;
   float mean_depth = 0;      // environment steps from the root to the leaves, mean over simulations
   int variation_length = 0;  // environment steps along the principal variation
@@ -27,7 +28,7 @@ struct MoveStatistics {
 
 // A player in split phases, so that many games share one batch of evaluations: per move Begin, then
 // Gather, evaluation and Scatter in turns until Gather returns false, then action(). Never blocks
-// and owns no thread. One thread; reused over games without allocating anew.
+// (but a ForeignAgent) and owns no thread. One thread; reused over games without allocating anew.
 class Agent {
  public:
   virtual ~Agent() = default;
@@ -59,6 +60,10 @@ class Agent {
   // What the search found for the last move (without weights_version, which the agent cannot know);
   // nullopt if it was made without a search. Same requirement as action().
   [[nodiscard]] virtual std::optional<Decision> decision() const { return std::nullopt; }
+
+  // The game is over, with the environment's reward: -1, 0 or +1. The dead are told too; nobody is
+  // of a game that is not played to its end.
+  virtual void EndGame(int /*reward*/) {}
 
   // Same requirement as action().
   [[nodiscard]] virtual MoveStatistics move_statistics() const { return {}; }

@@ -1,5 +1,6 @@
 #include "actors/play/factory.h"
 
+#include "actors/play/foreign_agent.h"
 #include "actors/play/plain_agents.h"
 #include "actors/play/search_agent.h"
 #include "common/base/check.h"
@@ -10,6 +11,7 @@ std::unique_ptr<Agent> MakeAgent(const AgentSpec& spec) {
     case AgentSpec::Kind::kPessimist: return std::make_unique<PessimistAgent>(spec.pessimist);
     case AgentSpec::Kind::kRuleBased: return std::make_unique<RuleBasedAgent>(spec.policy);
     case AgentSpec::Kind::kRawNetwork: return std::make_unique<RawNetworkAgent>();
+    case AgentSpec::Kind::kForeign: return std::make_unique<ForeignAgent>(spec.foreign);
     case AgentSpec::Kind::kSearch: return std::make_unique<SearchAgent>(spec.search);
   }
   CHECK(false, static_cast<int>(spec.kind));

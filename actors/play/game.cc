@@ -116,9 +116,16 @@ void Game::PlayStep() {
   CountEvents(watcher_.Watch(settings, before, actions_, state_), settings.mode, statistics_);
   record_.outcome = OutcomeOf(settings, state_);
   over_ = record_.outcome.done || EndsEarly(plan_.setup, state_);
-  if (over_) return;
+  if (over_) return EndGame();
   BeginStep();
   Collapse(settings, state_);
+}
+
+void Game::EndGame() {
+  for (AgentId seat = 0; seat < kAgentCount; ++seat) {
+    Agent* const agent = plan_.agents[seat].agent;
+    if (agent != nullptr) agent->EndGame(record_.outcome.rewards[seat]);
+  }
 }
 
 void Game::RecordMove(AgentId seat) {
@@ -130,6 +137,7 @@ void Game::RecordMove(AgentId seat) {
   if (!plan_.setup.seats[seat].searches) return;
   if (plan_.setup.seats[seat].teaches == Teaches::kSearch) RecordDecision(seat);
   const MoveStatistics move = plan_.agents[seat].agent->move_statistics();
+  statistics.late_moves += move.late ? 1 : 0;
   if (move.simulations == 0) return;
   ++statistics.searches;
   statistics.simulations += move.simulations;

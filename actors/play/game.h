@@ -67,6 +67,7 @@ class Game {
   [[nodiscard]] bool GatherMoves(EvaluationBatches& batches);
   void FinishMove(AgentId seat);
   void PlayStep();
+  void EndGame();
   void RecordMove(AgentId seat);
   void RecordDecision(AgentId seat);
   void CountPredictions(const MoveStatistics& move, SeatStatistics& statistics) const;

@@ -34,6 +34,7 @@ Cell FromTopLeft(Cell cell, Cell start, int board_size) {
 SeatStatistics& SeatStatistics::operator+=(const SeatStatistics& other) {
   moves += other.moves;
   AddEach(other.actions, actions);
+  late_moves += other.late_moves;
   searches += other.searches;
   simulations += other.simulations;
   depth_sum += other.depth_sum;

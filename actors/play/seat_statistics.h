@@ -16,7 +16,8 @@ namespace powderkeg {
 struct SeatStatistics {
   std::uint32_t moves = 0;  // steps in which the agent lived
   std::array<std::uint32_t, kActionCount> actions{};
-  std::uint32_t searches = 0;  // moves with simulations
+  std::uint32_t late_moves = 0;  // MoveStatistics::late
+  std::uint32_t searches = 0;    // moves with simulations
   std::uint64_t simulations = 0;
   double depth_sum = 0;             // of the mean depths, over `searches`
   std::uint64_t variation_sum = 0;  // of the lengths of the principal variations

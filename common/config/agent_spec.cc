@@ -12,6 +12,7 @@ namespace powderkeg {
 namespace {
 
 constexpr std::string_view kPessimist = "pessimist";
+constexpr std::string_view kForeign = "http";
 
 // "a=1,b=2" as fields in order. Throws Error.
 std::vector<TextField> ParseOptions(std::string_view agent, std::string_view text) {
@@ -62,6 +63,19 @@ void ReadSearch(std::vector<TextField> options, const SearchSettings& base, Agen
   ReadOptions(options, "search:", SearchOptions(), agent.search);
 }
 
+void ReadForeign(std::string_view text, AgentSpec& agent) {
+  const std::string_view address = text.substr(0, text.find(','));
+  const std::optional<HttpAddress> server = ParseHttpAddress(address);
+  if (!server || server->port == 0) {
+    throw Error(StrCat("agent http: address ", Quoted(address),
+                       ": expected http:HOST:PORT with a port from 1 to 65535"));
+  }
+  text.remove_prefix(std::min(text.size(), address.size() + 1));
+  agent.kind = AgentSpec::Kind::kForeign;
+  agent.foreign.server = *server;
+  ReadOptions(ParseOptions(kForeign, text), "http:", ForeignOptions(), agent.foreign);
+}
+
 AgentSpec Parse(std::string_view text, const SearchSettings& base) {
   AgentSpec agent;
   agent.text = text;
@@ -74,12 +88,14 @@ AgentSpec Parse(std::string_view text, const SearchSettings& base) {
     ReadPessimist(ParseOptions(name, options), agent);
   } else if (name == "search") {
     ReadSearch(ParseOptions(name, options), base, agent);
+  } else if (name == kForeign) {
+    ReadForeign(options, agent);
   } else if (const std::optional<PolicyKind> policy = PolicyKindFor(name); policy && !has_options) {
     agent.policy = *policy;
   } else if (policy) {
     throw Error(StrCat("agent ", name, ": options ", Quoted(options), ": it has none"));
   } else {
-    std::vector<std::string_view> known = {"raw", "search"};
+    std::vector<std::string_view> known = {"raw", "search", kForeign};
     known.insert(known.end(), kScriptNames.begin(), kScriptNames.end());
     throw Error(StrCat("unknown agent ", Quoted(name), ": known: ", KnownAgents(),
                        DidYouMean(name, known)));
@@ -99,6 +115,10 @@ AgentSpec ParseAgent(std::string_view text) {
 
 AgentSpec ParsePlayersAgent(std::string_view text, const SearchSettings& base) {
   AgentSpec agent = Parse(text, base);
+  if (agent.kind == AgentSpec::Kind::kForeign) {
+    throw Error(StrCat("agent ", Quoted(text),
+                       " of a player: expected one that an actor can play without a server"));
+  }
   if (!agent.model_file.empty()) {
     throw Error(StrCat("agent ", Quoted(text),
                        " of a player: expected no model in it, but weights: \"file:",
@@ -111,16 +131,29 @@ bool IsScript(std::string_view name) {
   return std::ranges::find(kScriptNames, name) != kScriptNames.end();
 }
 
+void CheckServers(std::span<const AgentSpec> seats) {
+  for (const AgentSpec& seat : seats) {
+    if (seat.kind != AgentSpec::Kind::kForeign) continue;
+    if (std::ranges::count(seats, seat.foreign.server,
+                           [](const AgentSpec& other) { return other.foreign.server; }) < 2)
+      continue;
+    throw Error(StrCat("agent ", seat.text, " has two seats; expected a server for each"));
+  }
+}
+
 std::string KnownAgents() {
   return Joined(kScriptNames, ", ") +
-         "[:OPTION=VALUE,...], raw:model=MODEL, search[:OPTION=VALUE,...][,model=MODEL]";
+         "[:OPTION=VALUE,...], raw:model=MODEL, search[:OPTION=VALUE,...][,model=MODEL], "
+         "http:HOST:PORT[,OPTION=VALUE,...]";
 }
 
 std::string AgentOptionsHelp() {
-  return StrCat("Options of a search, as in search:simulations=64,root=gumbel\n\n",
-                DescribeOptions(SearchOptions(), ""),
-                "\nOptions of a pessimist, as in pessimist:depth=3\n\n",
-                DescribeOptions(PessimistOptions(), ""));
+  return StrCat(
+      "Options of a search, as in search:simulations=64,root=gumbel\n\n",
+      DescribeOptions(SearchOptions(), ""), "\nOptions of a pessimist, as in pessimist:depth=3\n\n",
+      DescribeOptions(PessimistOptions(), ""),
+      "\nOptions of a server of the official protocol, as in http:127.0.0.1:10080,move_ms=100\n\n",
+      DescribeOptions(ForeignOptions(), ""));
 }
 
 }  // namespace powderkeg

@@ -19,7 +19,6 @@
 #include "common/base/check.h"
 #include "common/base/descriptors.h"
 #include "common/base/log.h"
-#include "common/base/number.h"
 #include "common/base/unique.h"
 #include "common/base/worker.h"
 #include "common/http/socket_stream.h"
@@ -92,12 +91,6 @@ void StripAuthority(std::string& path) {
   constexpr std::string_view kScheme = "http://";
   if (path.starts_with(kScheme))
     path.erase(0, std::min(path.find('/', kScheme.size()), path.size()));
-}
-
-// "::1" of "[::1]".
-std::string_view WithoutBrackets(std::string_view host) {
-  const bool brackets = host.starts_with('[') && host.ends_with(']');
-  return brackets ? host.substr(1, host.size() - 2) : host;
 }
 
 // The host of "HOST" or "HOST:PORT".
@@ -324,21 +317,6 @@ class HttpServer::Listener final : public httplib::Server {
   std::optional<ConnectionPool> pool_;
   std::optional<Worker> worker_;
 };
-
-std::string HttpAddress::url() const {
-  const bool ipv6 = host.find(':') != std::string::npos;
-  return StrCat("http://", ipv6 ? "[" + host + "]" : host, ":", port, "/");
-}
-
-std::optional<HttpAddress> ParseHttpAddress(std::string_view text) {
-  constexpr int kHighestPort = 65535;
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string_view::npos) return std::nullopt;
-  const std::string_view host = WithoutBrackets(text.substr(0, colon));
-  const auto port = ParseNumber<int>(text.substr(colon + 1));
-  if (host.empty() || !port || *port < 0 || *port > kHighestPort) return std::nullopt;
-  return HttpAddress{.host = std::string(host), .port = *port};
-}
 
 HttpReply HttpError(int status, std::string_view reason) {
   // Reasons quote what strangers sent.

@@ -7,10 +7,11 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "common/base/http_address.h"
 
 namespace powderkeg {
 
@@ -37,25 +38,12 @@ struct HttpRoute {
   std::function<HttpReply(const HttpRequest&)> answer;
 };
 
-struct HttpAddress {
-  std::string host = "127.0.0.1";
-  int port = 0;  // 0: any free one
-
-  // "http://127.0.0.1:8265/"
-  [[nodiscard]] std::string url() const;
-
-  friend bool operator==(const HttpAddress&, const HttpAddress&) = default;
-};
-
-// "127.0.0.1:8265", "localhost:8265" or "[::1]:8265"; nullopt for anything else.
-[[nodiscard]] std::optional<HttpAddress> ParseHttpAddress(std::string_view text);
-
 struct HttpServerSettings {
   HttpAddress address{};
   bool any_port_if_taken = false;  // where it cannot listen on that port
   int threads = 64;                // requests served at once; more wait their turn
-  // Connections whose request is on its way, at most a quarter of the process's descriptors; beyond,
-  // those that have waited longest are closed.
+  // Connections whose request is on its way, at most a quarter of the process's descriptors;
+  // beyond, those that have waited longest are closed.
   std::size_t max_waiting = 4096;
   std::size_t max_request_bytes = 64 << 10;  // of a body, packed and unpacked
   // For a whole request to arrive, and for its answer to leave.

@@ -68,12 +68,14 @@ bool SocketStream::Wait(short event, Clock::time_point deadline) const {
 
 bool SocketStream::Fill() {
   begin_ = end_ = 0;
-  if (bytes_left_ == 0 || !Wait(POLLIN, read_deadline_)) return false;
+  if (bytes_left_ == 0) return false;
+  timed_out_ = !Wait(POLLIN, std::min(read_deadline_, Clock::now() + limits_.silence));
+  if (timed_out_) return false;
   ssize_t received = 0;
   do {
     received = ::recv(socket_, buffer_.data(), std::min(buffer_.size(), bytes_left_), 0);
   } while (received < 0 && errno == EINTR);
-  if (received <= 0) return false;
+  if (received < 0) return false;
   end_ = static_cast<std::size_t>(received);
   bytes_left_ -= end_;
   return true;

@@ -2,6 +2,8 @@
 
 #include <cstdlib>
 
+#include "common/base/check.h"
+
 namespace powderkeg {
 namespace {
 
@@ -69,6 +71,21 @@ Observation Observe(const GameSettings& settings, const State& state, AgentId se
   ShowFlames(state, visible, observation);
   ShowOneself(settings, state, observation);
   return observation;
+}
+
+OfficialFields OfficialFieldsOf(const GameSettings& settings, AgentId self) {
+  OfficialFields fields;
+  const Mode mode = settings.mode;
+  const AgentId team_mate = TeamMateOf(mode, self);
+  if (team_mate >= 0) fields.team_mate = AgentValue(team_mate);
+  for (AgentId other = 0; other < SeatCount(mode); ++other) {
+    if (AreEnemies(mode, self, other)) fields.enemies.push_back(AgentValue(other));
+  }
+  if (IsTeamMode(mode)) fields.enemies.push_back(CellValue::kAgentDummy);
+  const bool collapses = settings.collapse_steps != GameSettings{}.collapse_steps;
+  const int version = mode == Mode::kTeamRadio ? 2 : collapses ? 1 : 0;
+  fields.environment = StrCat("pommerman.envs.v", version, ":Pomme");
+  return fields;
 }
 
 BitBoard VisibleCells(const GameSettings& settings, Cell position) {

@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "common/pommerman/game_settings.h"
 #include "common/pommerman/state.h"
@@ -32,6 +34,14 @@ struct Observation {
 
 // Observes `state` as agent `self`, dead or alive. Take it before Collapse.
 [[nodiscard]] Observation Observe(const GameSettings& settings, const State& state, AgentId self);
+
+// What the official observation says beside an Observation: the same in every step of a game.
+struct OfficialFields {
+  CellValue team_mate = CellValue::kAgentDummy;
+  std::vector<CellValue> enemies;
+  std::string environment;  // the official class, e.g. "pommerman.envs.v0:Pomme"
+};
+[[nodiscard]] OfficialFields OfficialFieldsOf(const GameSettings& settings, AgentId self);
 
 // The cells that an agent on `position` sees.
 [[nodiscard]] BitBoard VisibleCells(const GameSettings& settings, Cell position);

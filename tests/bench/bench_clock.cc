@@ -8,6 +8,7 @@
 #include "actors/http/agent_service.h"
 #include "actors/play/factory.h"
 #include "actors/play/parallel_evaluator.h"
+#include "actors/runner/runner_json.h"
 #include "common/base/check.h"
 #include "common/base/log.h"
 #include "common/model/evaluation_cache.h"
@@ -15,7 +16,6 @@
 #include "common/onednn/onednn_evaluator.h"
 #include "common/pommerman/observation.h"
 #include "common/record/rule_based_seat.h"
-#include "tests/http/runner_json.h"
 
 namespace powderkeg {
 namespace {

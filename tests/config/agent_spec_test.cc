@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "common/base/check.h"
 
 namespace powderkeg {
@@ -49,6 +51,29 @@ TEST(ParseAgent, ReadsPessimists) {
 TEST(ParseAgent, ReadsRawNetworks) {
   EXPECT_EQ(ParseAgent("raw:model=x").kind, AgentSpec::Kind::kRawNetwork);
   EXPECT_EQ(ParseAgent("raw:model=x").model_file, "x");
+}
+
+TEST(ParseAgent, ReadsServers) {
+  const AgentSpec agent = ParseAgent("http:[::1]:10080,move_ms=100,start_s=2");
+  EXPECT_EQ(agent.kind, AgentSpec::Kind::kForeign);
+  EXPECT_EQ(agent.foreign, (ForeignSettings{{.host = "::1", .port = 10080}, 100, 2}));
+  EXPECT_EQ(ParseAgent("http:node7:1").foreign, (ForeignSettings{.server = {"node7", 1}}));
+  EXPECT_FALSE(agent.HasNetwork());
+  for (const char* text : {"http", "http:", "http:1", "http:host:0", "http:host:x", "http::1"}) {
+    EXPECT_THAT(ErrorOf(text), HasSubstr("expected http:HOST:PORT with a port from 1")) << text;
+  }
+  EXPECT_THAT(ErrorOf("http:host:1,model=x"), HasSubstr("no setting http:model"));
+  EXPECT_THAT(ErrorOf("http:host:1,move_ms=0"), HasSubstr("http:move_ms is 0; expected"));
+}
+
+TEST(CheckServers, RefusesTwoSeatsOfOne) {
+  const auto check = [](const char* text) {
+    const std::vector<AgentSpec> seats = {ParseAgent("http:host:1"), ParseAgent("idle"),
+                                          ParseAgent("idle"), ParseAgent(text)};
+    CheckServers(seats);
+  };
+  EXPECT_NO_THROW(check("http:host:2"));
+  EXPECT_THROW(check("http:host:1,move_ms=9"), Error);
 }
 
 TEST(ParseAgent, ListsTheKnownAgentsForAnUnknownOne) {

@@ -142,6 +142,8 @@ TEST(Players, FaultsSayWhatIsExpected) {
   EXPECT_THAT(FaultOf("player { name: me agent: raw weights: none teaches: moves }"),
               HasSubstr("has no weights"));
   EXPECT_THAT(FaultOf("player { name: me agent: 'raw:model=x' }"), HasSubstr("file:x"));
+  EXPECT_THAT(FaultOf("player { name: me agent: 'http:host:1' teaches: moves }"),
+              HasSubstr("expected one that an actor can play without a server"));
   EXPECT_THAT(FaultOf("player { name: me agent: 'search:simulation=4' }"),
               HasSubstr("simulations"));
   EXPECT_THAT(FaultOf("player { name: me }" + all), HasSubstr("nobody teaches"));

@@ -10,10 +10,10 @@
 #include <variant>
 
 #include "actors/http/observation_json.h"
+#include "actors/runner/runner_json.h"
 #include "common/base/check.h"
 #include "common/pommerman/belief.h"
 #include "common/pommerman/generate.h"
-#include "tests/http/runner_json.h"
 
 namespace powderkeg {
 namespace {

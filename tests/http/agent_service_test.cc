@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "actors/play/factory.h"
+#include "actors/runner/runner_json.h"
 #include "common/base/check.h"
 #include "common/pommerman/generate.h"
 #include "common/pommerman/step.h"
 #include "tests/http/gated_evaluator.h"
-#include "tests/http/runner_json.h"
 #include "tests/http/scripted_agent.h"
 
 namespace powderkeg {

@@ -17,13 +17,13 @@
 #include "actors/http/agent_routes.h"
 #include "actors/play/factory.h"
 #include "actors/play/parallel_evaluator.h"
+#include "actors/runner/runner_json.h"
 #include "common/base/check.h"
 #include "common/model/evaluation_cache.h"
 #include "common/pommerman/generate.h"
 #include "tests/http/gated_evaluator.h"
 #include "tests/http/official_runner.h"
 #include "tests/http/raw_socket.h"
-#include "tests/http/runner_json.h"
 #include "tests/http/scripted_agent.h"
 
 namespace powderkeg {

@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
+#include "actors/runner/runner_json.h"
+#include "common/pommerman/step.h"
 #include "common/recorded/json_lines.h"
-#include "tests/http/runner_json.h"
+#include "common/recorded/recorded_game.h"
 
 namespace powderkeg {
 namespace {
@@ -82,6 +85,48 @@ TEST_P(RecordedObservationTest, IsReadWithoutLoss) {
     ASSERT_EQ(ReasonOf(parsed), "") << sent;
     const auto& request = std::get<ActionRequest>(parsed);
     ASSERT_EQ(ObservationObject(request.settings, request.observation).dump(), sent.dump());
+  }
+}
+
+// The `obs` of the bodies in which this program, as the runner, shows the state to the living.
+std::vector<OrderedJson> SentFor(const GameSettings& settings, const State& state) {
+  std::vector<OrderedJson> sent;
+  for (AgentId agent = 0; agent < kAgentCount; ++agent) {
+    if (!state.agents[agent].alive) continue;
+    const OrderedJson body =
+        OrderedJson::parse(ActionBody(settings, Observe(settings, state, agent)));
+    sent.push_back(OrderedJson::parse(body["obs"].get<std::string>()));
+  }
+  return sent;
+}
+
+// The same of the states of a file that were recorded with observations, up to `limit`.
+std::vector<OrderedJson> SentForStatesOf(const std::string& path, std::size_t limit) {
+  std::vector<OrderedJson> sent;
+  const auto add = [&](const RecordedGame& game, const State& state) {
+    for (OrderedJson& each : SentFor(game.settings, state)) sent.push_back(std::move(each));
+  };
+  RecordedGameReader reader(path);
+  for (RecordedGame game; reader.Next(game) && sent.size() < limit;) {
+    if (game.observations) add(game, game.start);
+    State state = game.start;
+    for (const RecordedStep& step : game.steps) {
+      Step(game.settings, step.actions, step.messages, state);
+      if (step.observations) add(game, state);
+      state = step.state;
+    }
+  }
+  return sent;
+}
+
+TEST_P(RecordedObservationTest, IsWhatThisRunnerSendsForTheState) {
+  constexpr std::size_t kLimit = 1500;
+  const std::string path = StrCat("tests/data/", GetParam());
+  const std::vector<OrderedJson> recorded = RecordedObservations(path, kLimit);
+  const std::vector<OrderedJson> sent = SentForStatesOf(path, recorded.size());
+  ASSERT_GE(sent.size(), recorded.size());
+  for (std::size_t i = 0; i < recorded.size(); ++i) {
+    ASSERT_EQ(sent[i].dump(), recorded[i].dump()) << i;
   }
 }
 

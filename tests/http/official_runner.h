@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "actors/runner/official_client.h"
 #include "common/pommerman/game_settings.h"
 #include "common/pommerman/state.h"
-#include "tests/http/official_client.h"
 
 namespace powderkeg {
 
@@ -34,9 +34,11 @@ class OfficialRunner {
   void Close();
 
  private:
+  [[nodiscard]] GameReport Play(std::uint64_t seed, int max_steps);
   void Start();
   // The action and, in radio games, the message of an agent; kStop after a failure.
   Action Ask(AgentId agent, const State& state, Message& words);
+  void Expect200(AgentId agent, const char* path, int status);
   // Keeps the first failure.
   void Note(AgentId agent, const std::string& failure);
 

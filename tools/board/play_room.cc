@@ -148,7 +148,11 @@ const Model& PlayRoom::ModelFor(const AgentSpec& agent) const {
 
 HttpReply PlayRoom::Begin() {
   const std::lock_guard lock(mutex_);
-  if (tables_.size() >= kMostGames) {
+  // A server of the official protocol plays one game at a time.
+  const bool one_by_one = std::ranges::any_of(settings_.opponents, [](const AgentSpec& agent) {
+    return agent.kind == AgentSpec::Kind::kForeign;
+  });
+  if (tables_.size() >= (one_by_one ? 1 : kMostGames)) {
     const auto oldest = std::ranges::min_element(
         tables_, {}, [](const auto& table) { return table.second->last_call; });
     tables_.erase(oldest);
@@ -168,7 +172,12 @@ HttpReply PlayRoom::Move(std::uint64_t game, int step, Action action) {
   HttpReply refusal;
   Table* const table = TableAt(game, step, refusal);
   if (table == nullptr) return refusal;
-  table->Play(action);
+  try {
+    table->Play(action);
+  } catch (const Error& error) {  // of an agent that is a server
+    tables_.erase(game);
+    return HttpError(502, error.what());
+  }
   return JsonReply(table->TakeNews());
 }
 

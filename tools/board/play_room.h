@@ -24,8 +24,9 @@ struct PlaySettings {
 };
 
 // A person sits in seat 0. A game moves on only when the person moves, and no thread waits for one:
-// who leaves leaves a position behind. At most 16 games are kept, then the one that was asked for
-// longest ago is forgotten. Thread-safe; moves are made one at a time, as they share evaluators.
+// who leaves leaves a position behind. At most 16 games are kept (one where an agent is a server),
+// then the one that was asked for longest ago is forgotten. Thread-safe; moves are made one at a
+// time, as they share evaluators.
 //
 // Answers are JSON: what GameStory::TakeNews tells, `searches` (new ones, by agent), `step`,
 // `over`, `result` and `winners`; or an HttpError.
@@ -40,7 +41,7 @@ class PlayRoom {
   // A new game; its number is `game`, beside what HeadJson says.
   [[nodiscard]] HttpReply Begin();
   // Plays a step, or more once the person is dead. 404: no such game; 409: it stands at another
-  // step, or is over.
+  // step, or is over; 502: an agent that is a server failed, and the game is given up.
   [[nodiscard]] HttpReply Move(std::uint64_t game, int step, Action action);
   // What the adviser would do: `best`, `visits`, `priors`, `values`, `value`, and `expected`: what
   // it takes each agent to do, or -1. Errors as Move; 409 also for the dead.

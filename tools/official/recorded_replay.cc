@@ -9,21 +9,6 @@
 namespace powderkeg {
 namespace {
 
-std::vector<CellValue> EnemiesOf(Mode mode, AgentId self) {
-  std::vector<CellValue> enemies;
-  for (AgentId other = 0; other < SeatCount(mode); ++other) {
-    if (AreEnemies(mode, self, other)) enemies.push_back(AgentValue(other));
-  }
-  if (IsTeamMode(mode)) enemies.push_back(CellValue::kAgentDummy);
-  return enemies;
-}
-
-std::string EnvironmentClass(const GameSettings& settings) {
-  const bool collapses = settings.collapse_steps != GameSettings{}.collapse_steps;
-  const int version = settings.mode == Mode::kTeamRadio ? 2 : collapses ? 1 : 0;
-  return StrCat("pommerman.envs.v", version, ":Pomme");
-}
-
 // Collects differences under the heading of a place in a game.
 class Comparison {
  public:
@@ -124,12 +109,12 @@ void ExpectEnd(const RecordedGame& game, const Outcome& outcome, Comparison& com
 
 RecordedObservation OfficialObservation(const GameSettings& settings, const State& state,
                                         AgentId self) {
-  const AgentId team_mate = TeamMateOf(settings.mode, self);
+  const OfficialFields fields = OfficialFieldsOf(settings, self);
   return {.observation = Observe(settings, state, self),
-          .team_mate = team_mate < 0 ? CellValue::kAgentDummy : AgentValue(team_mate),
-          .enemies = EnemiesOf(settings.mode, self),
+          .team_mate = fields.team_mate,
+          .enemies = fields.enemies,
           .game_type = static_cast<int>(settings.mode),
-          .environment = EnvironmentClass(settings)};
+          .environment = fields.environment};
 }
 
 std::vector<std::string> ReplayDifferences(const RecordedGame& game) {

@@ -1,7 +1,6 @@
-#include "tests/http/runner_json.h"
+#include "actors/runner/runner_json.h"
 
 #include <array>
-#include <string_view>
 
 namespace powderkeg {
 namespace {
@@ -9,7 +8,6 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr int kAgent0 = static_cast<int>(CellValue::kAgent0);
-constexpr int kDummy = static_cast<int>(CellValue::kAgentDummy);
 
 template <typename Number, typename Value>
 OrderedJson Rows(const std::array<Value, kCellCount>& cells, int size) {
@@ -32,27 +30,11 @@ OrderedJson Alive(const Observation& observation) {
   return alive;
 }
 
-OrderedJson Enemies(Mode mode, AgentId self) {
-  OrderedJson enemies = OrderedJson::array();
-  const bool teams = mode == Mode::kTeam || mode == Mode::kTeamRadio;
-  for (int id = 0; id < (mode == Mode::kOneVsOne ? 2 : 4); ++id) {
-    const bool enemy = teams ? (id + self) % 2 == 1 : id != self;
-    if (enemy) enemies.push_back(kAgent0 + id);
-  }
-  if (teams) enemies.push_back(kDummy);
-  return enemies;
-}
-
-std::string_view EnvironmentClass(const GameSettings& settings) {
-  if (settings.mode == Mode::kTeamRadio) return "pommerman.envs.v2:Pomme";
-  return settings.collapse_steps[0] > 0 ? "pommerman.envs.v1:Pomme" : "pommerman.envs.v0:Pomme";
-}
-
 }  // namespace
 
 OrderedJson ObservationObject(const GameSettings& settings, const Observation& observation) {
   const int size = settings.board_size;
-  const bool teams = settings.mode == Mode::kTeam || settings.mode == Mode::kTeamRadio;
+  const OfficialFields fields = OfficialFieldsOf(settings, observation.self);
   OrderedJson object;
   object["alive"] = Alive(observation);
   object["board"] = Rows<int>(observation.board, size);
@@ -61,13 +43,13 @@ OrderedJson ObservationObject(const GameSettings& settings, const Observation& o
   object["bomb_moving_direction"] = Rows<double>(observation.bomb_moving_direction, size);
   object["flame_life"] = Rows<double>(observation.flame_life, size);
   object["game_type"] = static_cast<int>(settings.mode);
-  object["game_env"] = EnvironmentClass(settings);
+  object["game_env"] = fields.environment;
   object["position"] = {RowOf(observation.position), ColumnOf(observation.position)};
   object["blast_strength"] = observation.blast_strength;
   object["can_kick"] = observation.can_kick;
-  object["teammate"] = teams ? kAgent0 + (observation.self + 2) % kAgentCount : kDummy;
+  object["teammate"] = fields.team_mate;
   object["ammo"] = observation.ammo;
-  object["enemies"] = Enemies(settings.mode, observation.self);
+  object["enemies"] = fields.enemies;
   object["step_count"] = observation.step;
   if (settings.mode == Mode::kTeamRadio) object["message"] = observation.message;
   return object;
