@@ -58,15 +58,16 @@ bool Predicts(const SearchSettings& settings) {
          std::ranges::any_of(settings.opponents, asks);
 }
 
-SearchSettings WithoutSurvival(SearchSettings settings) {
+SearchSettings WithoutAids(SearchSettings settings) {
   settings.caution = 0;
   settings.room = 0;
   settings.hunt = 0;
+  settings.policy_temperature = 1;
   return settings;
 }
 
 SearchSettings PaperSettings() {
-  SearchSettings settings = WithoutSurvival({});
+  SearchSettings settings = WithoutAids({});
   settings.opponents.fill(OpponentModel::kSimpleUnbiased);
   settings.memory = ModelMemory::kReset;
   settings.exploratory_start = 0.05;
@@ -76,13 +77,13 @@ SearchSettings PaperSettings() {
 }
 
 SearchSettings GumbelSettings() {
-  SearchSettings settings = WithoutSurvival({});
+  SearchSettings settings = WithoutAids({});
   settings.root = RootSearch::kGumbel;
   return settings;
 }
 
 SearchSettings KataGoSettings() {
-  SearchSettings settings = WithoutSurvival({});
+  SearchSettings settings = WithoutAids({});
   settings.full_search_share = 0.25;
   settings.forced_playouts = 2;
   return settings;

@@ -83,15 +83,16 @@ struct SearchSettings {
 // unvisited by prior changes nothing: of the unvisited ones, all of equal Q, the next by prior
 // always scores highest (tree_test ChoosesAmongVisitedAndTheNextTwo).
 [[nodiscard]] SearchSettings PaperSettings();
-// For self-play: a Gumbel root, WithoutSurvival.
+// For self-play: a Gumbel root, WithoutAids.
 [[nodiscard]] SearchSettings GumbelSettings();
 // For self-play, too, after Wu 2019 ("Accelerating self-play learning in Go", 3.1 and 3.2): a
 // quarter of the searches are full ones and teach a policy, with forced playouts that are pruned
-// from the target; the others are short. WithoutSurvival.
+// from the target; the others are short. WithoutAids.
 [[nodiscard]] SearchSettings KataGoSettings();
 
-// The same search by its evaluator alone: no caution, no weight of anybody's room.
-[[nodiscard]] SearchSettings WithoutSurvival(SearchSettings settings);
+// The same search by its evaluator alone: no caution, no weight of anybody's room, priors as they
+// are.
+[[nodiscard]] SearchSettings WithoutAids(SearchSettings settings);
 
 // Whether somebody's model is kPredicted, or may become so.
 [[nodiscard]] bool Predicts(const SearchSettings& settings);

@@ -23,7 +23,7 @@ struct Sample {
 
 // Of the search itself: what survivability adds to it is measured apart.
 SearchSettings SettingsFor(TreeKind tree, int simulations) {
-  SearchSettings settings = WithoutSurvival({});
+  SearchSettings settings = WithoutAids({});
   settings.tree = tree;
   settings.simulations = simulations;
   settings.opponents.fill(OpponentModel::kSimpleUnbiased);

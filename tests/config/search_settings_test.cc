@@ -51,10 +51,11 @@ TEST(SearchSettings, PresetIsAppliedBeforeOtherOptions) {
   EXPECT_EQ(ParseSearchSettings("simulations=50,preset=paper"), expected);
   EXPECT_EQ(ParseSearchSettings("preset=default"), SearchSettings());
   EXPECT_EQ(ParseSearchSettings("preset=gumbel"),
-            ParseSearchSettings("root=gumbel,caution=0,room=0,hunt=0"));
+            ParseSearchSettings("root=gumbel,caution=0,room=0,hunt=0,policy_temperature=1"));
   EXPECT_EQ(
       ParseSearchSettings("preset=katago"),
-      ParseSearchSettings("full_search_share=0.25,forced_playouts=2,caution=0,room=0,hunt=0"));
+      ParseSearchSettings(
+          "full_search_share=0.25,forced_playouts=2,caution=0,room=0,hunt=0,policy_temperature=1"));
 }
 
 TEST(SearchSettings, BadValuesSayWhatIsAllowed) {

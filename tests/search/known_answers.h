@@ -13,7 +13,7 @@ namespace powderkeg {
 
 // By the evaluator alone, without noise, against idle agents.
 inline SearchSettings Quiet(int simulations) {
-  SearchSettings settings = WithoutSurvival({});
+  SearchSettings settings = WithoutAids({});
   settings.simulations = simulations;
   settings.noise_weight = 0;
   settings.opponents.fill(OpponentModel::kIdle);

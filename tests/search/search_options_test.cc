@@ -56,7 +56,7 @@ const std::vector<std::string>& OptionValues() {
       "c_puct_base=50",
       "unvisited_value=0",
       "root_unvisited_value=1",
-      "policy_temperature=2",
+      "policy_temperature=1",
       "renormalise_priors=true",
       "action_filter=false",
       "caution=100",

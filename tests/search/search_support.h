@@ -67,7 +67,7 @@ inline State KnownStart(std::uint64_t seed) {
 inline std::uint64_t SearchSignature() {
   std::uint64_t signature = 0;
   for (const TreeKind tree : {TreeKind::kOnePlayer, TreeKind::kTwoPlayer}) {
-    SearchSettings settings = WithoutSurvival({});
+    SearchSettings settings = WithoutAids({});
     settings.tree = tree;
     settings.noise_weight = 0;
     settings.exploratory_start = 0.05;
