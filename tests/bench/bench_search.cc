@@ -107,7 +107,7 @@ double NanosecondsForOpponents(std::span<const State> positions) {
 // A chain of nodes as deep as typical simulations go: selecting down and backing up once.
 double NanosecondsToSelectAndBackUp(std::span<const State> positions) {
   constexpr int kDepth = 6;
-  Tree tree(SearchSettings{});
+  Tree tree(WithoutAids({}));
   tree.Clear(1'000'000);
   constexpr std::array<float, kActionCount> kPolicy = {0.2F, 0.2F, 0.2F, 0.2F, 0.1F, 0.1F};
   for (int depth = 0; depth <= kDepth; ++depth) {
@@ -127,7 +127,7 @@ double NanosecondsToSelectAndBackUp(std::span<const State> positions) {
 }
 
 double NanosecondsForEdges(std::span<const State> positions) {
-  Tree tree(SearchSettings{});
+  Tree tree(WithoutAids({}));
   tree.Clear(1);
   Node& node = tree[tree.Add(kNoNode, Action::kStop)];
   node.side = 1;

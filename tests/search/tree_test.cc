@@ -57,7 +57,7 @@ Action Expected(const SearchSettings& settings, const Node& node) {
 }
 
 TEST(Tree, SelectsByTheFormula) {
-  const SearchSettings settings;
+  const SearchSettings settings = WithoutAids({});
   for (const std::int8_t side : {std::int8_t{1}, std::int8_t{-1}}) {
     Tree tree = TreeWithRoot(settings, kAll, side);
     Rng rng(5);
@@ -70,12 +70,12 @@ TEST(Tree, SelectsByTheFormula) {
 }
 
 TEST(Tree, FirstChoiceFollowsThePrior) {
-  const Tree tree = TreeWithRoot({}, kAll);
+  const Tree tree = TreeWithRoot(WithoutAids({}), kAll);
   EXPECT_EQ(tree.Select(tree[0]), Action::kUp);
 }
 
 TEST(Tree, TiesGoToTheLowestAction) {
-  Tree tree = TreeWithRoot({}, kAll);
+  Tree tree = TreeWithRoot(WithoutAids({}), kAll);
   constexpr std::array<float, kActionCount> kEven = {0, 0.25F, 0.25F, 0.25F, 0.25F, 0};
   tree.SetEdges(tree[0], kAll, kEven);
   EXPECT_EQ(tree.Select(tree[0]), Action::kUp);
@@ -83,7 +83,7 @@ TEST(Tree, TiesGoToTheLowestAction) {
 
 TEST(Tree, IllegalActionsAreNeverSelected) {
   for (const std::int8_t side : {std::int8_t{1}, std::int8_t{-1}}) {
-    Tree tree = TreeWithRoot({}, 0b100001, side);
+    Tree tree = TreeWithRoot(WithoutAids({}), 0b100001, side);
     for (int i = 0; i < 50; ++i) {
       const Action action = tree.Select(tree[0]);
       ASSERT_TRUE(action == Action::kStop || action == Action::kBomb);
@@ -94,7 +94,7 @@ TEST(Tree, IllegalActionsAreNeverSelected) {
 }
 
 TEST(Tree, RenormalisesPriorsWhereAsked) {
-  SearchSettings settings;
+  SearchSettings settings = WithoutAids({});
   settings.renormalise_priors = true;
   const Tree tree = TreeWithRoot(settings, 0b000011);
   EXPECT_FLOAT_EQ(tree[0].prior[0], 0.25F);
@@ -102,7 +102,7 @@ TEST(Tree, RenormalisesPriorsWhereAsked) {
 }
 
 TEST(Tree, FlattensAndSharpensPriorsByTemperature) {
-  SearchSettings settings;
+  SearchSettings settings = WithoutAids({});
   settings.policy_temperature = 2;
   const Tree flat = TreeWithRoot(settings, kAll);
   EXPECT_NEAR(std::accumulate(flat[0].prior.begin(), flat[0].prior.end(), 0.0F), 1, 1e-6);
@@ -114,7 +114,7 @@ TEST(Tree, FlattensAndSharpensPriorsByTemperature) {
 }
 
 TEST(Tree, BackUpAveragesAlongThePath) {
-  Tree tree = TreeWithRoot({}, kAll);
+  Tree tree = TreeWithRoot(WithoutAids({}), kAll);
   Simulate(tree, 0, Action::kUp, 0.5F);
   const NodeIndex child = tree[0].child[1];
   for (const float value : {-1.0F, 1.0F, 1.0F}) {
@@ -129,7 +129,7 @@ TEST(Tree, BackUpAveragesAlongThePath) {
 
 // A simulation weighs in an edge's value when it ends, not before.
 TEST(Tree, BackUpAveragesWhatHasEnded) {
-  Tree tree = TreeWithRoot({}, kAll);
+  Tree tree = TreeWithRoot(WithoutAids({}), kAll);
   Simulate(tree, 0, Action::kUp, 0.5F);
   const NodeIndex child = tree[0].child[1];
   for (const Action action : {Action::kStop, Action::kLeft, Action::kRight}) {
@@ -153,7 +153,7 @@ TEST(Tree, BackUpAveragesWhatHasEnded) {
 // Choosing among the visited actions and the next two unvisited by prior, as the predecessor does,
 // is choosing among all.
 TEST(Tree, ChoosesAmongVisitedAndTheNextTwo) {
-  const SearchSettings settings;
+  const SearchSettings settings = WithoutAids({});
   Rng rng(8);
   for (int game = 0; game < 200; ++game) {
     Tree tree = TreeWithRoot(settings, kAll, game % 2 == 0 ? std::int8_t{1} : std::int8_t{-1});
@@ -191,7 +191,7 @@ void EndWith(Tree& tree, NodeIndex parent, Action action, std::int8_t proven) {
 }
 
 TEST(Tree, LostActionsAreClosed) {
-  Tree tree = TreeWithRoot({}, 0b000011);
+  Tree tree = TreeWithRoot(WithoutAids({}), 0b000011);
   EndWith(tree, 0, Action::kUp, -1);
   EXPECT_EQ(tree[0].closed, 0b000010);
   EXPECT_EQ(tree[0].proven, 0);
@@ -207,7 +207,7 @@ TEST(Tree, LostActionsAreClosed) {
 }
 
 TEST(Tree, PositionsAreLostWhereEveryActionIs) {
-  Tree tree = TreeWithRoot({}, kAll);
+  Tree tree = TreeWithRoot(WithoutAids({}), kAll);
   Simulate(tree, 0, Action::kUp, 0);
   const NodeIndex child = tree[0].child[1];
   tree.SetEdges(tree[child], 0b000101, kPolicy);
@@ -220,7 +220,7 @@ TEST(Tree, PositionsAreLostWhereEveryActionIs) {
 }
 
 TEST(Tree, OneWinningActionWins) {
-  Tree tree = TreeWithRoot({}, kAll);
+  Tree tree = TreeWithRoot(WithoutAids({}), kAll);
   Simulate(tree, 0, Action::kUp, 0);
   EndWith(tree, tree[0].child[1], Action::kBomb, 1);
   EXPECT_EQ(tree[0].proven, 1);
@@ -229,7 +229,7 @@ TEST(Tree, OneWinningActionWins) {
 }
 
 TEST(Tree, AnEnemyEscapesWhereItCan) {
-  Tree tree = TreeWithRoot({}, 0b000010);
+  Tree tree = TreeWithRoot(WithoutAids({}), 0b000010);
   Simulate(tree, 0, Action::kUp, 0);
   const NodeIndex enemy = tree[0].child[1];
   tree[enemy].side = -1;
@@ -242,7 +242,7 @@ TEST(Tree, AnEnemyEscapesWhereItCan) {
 }
 
 TEST(Tree, AProvenWinIsWorthWhatItsEndIs) {
-  Tree tree = TreeWithRoot({}, 0b000010);
+  Tree tree = TreeWithRoot(WithoutAids({}), 0b000010);
   Simulate(tree, 0, Action::kUp, 0);
   const NodeIndex enemy = tree[0].child[1];
   tree[enemy].side = -1;
@@ -254,7 +254,7 @@ TEST(Tree, AProvenWinIsWorthWhatItsEndIs) {
 }
 
 TEST(Tree, UndoTakesVisitsBack) {
-  Tree tree = TreeWithRoot({}, kAll);
+  Tree tree = TreeWithRoot(WithoutAids({}), kAll);
   Simulate(tree, 0, Action::kUp, 0.5F);
   const Node before = tree[0];
   tree.Visit(0, Action::kUp);
@@ -265,7 +265,7 @@ TEST(Tree, UndoTakesVisitsBack) {
 }
 
 TEST(Tree, KeepMakesASubtreeTheTree) {
-  Tree tree = TreeWithRoot({}, kAll);
+  Tree tree = TreeWithRoot(WithoutAids({}), kAll);
   Simulate(tree, 0, Action::kStop, 0);
   Simulate(tree, 0, Action::kUp, 0);
   const NodeIndex kept = tree[0].child[1];
