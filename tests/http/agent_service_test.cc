@@ -146,7 +146,7 @@ TEST_F(AgentServiceTest, RefusesWhatItCannotRead) {
 }
 
 TEST_F(AgentServiceTest, AnswersInTimeWithWhatItHas) {
-  const auto service = Serve(kEndless, {.move_time = milliseconds(20), .seed = 1});
+  const auto service = Serve(kEndless, {.move_time = milliseconds(200), .seed = 1});
   (void)service->InitAgent(InitBody(0, Mode::kFreeForAll));
   const auto start = AgentService::Clock::now();
   EXPECT_EQ(service->Act(Body(0, 0)).status, 200);
