@@ -70,13 +70,12 @@ std::array<int, kActionCount> Pessimist::Values(const GameSettings& game, const 
 }
 
 void Pessimist::LookAround(const State& state, BitBoard visible) {
-  enemies_ = 0;
+  enemies_ = LivingEnemies(game_.mode, state, self_);
   in_view_ = 0;
   living_mate_ = -1;
   for (AgentId id = 0; id < kAgentCount; ++id) {
     const AgentState& agent = state.agents[id];
     if (id == self_ || !agent.alive) continue;
-    if (AreEnemies(game_.mode, self_, id)) enemies_ |= static_cast<std::uint8_t>(1 << id);
     if (id == TeamMateOf(game_.mode, self_)) living_mate_ = id;
     if (visible.Has(agent.cell)) in_view_ |= static_cast<std::uint8_t>(1 << id);
   }
