@@ -120,34 +120,48 @@ torch::Tensor NetworkImpl::Run(Branch& branch, const torch::Tensor& input) const
   return Activate(branch.norm(branch.convolution(input)), description_.leaky_slope);
 }
 
-torch::Tensor NetworkImpl::OwnFeatures(const torch::Tensor& tower, const torch::Tensor& planes) {
-  const torch::Tensor marked = planes.slice(/*dim=*/1, kOwnCellPlane, kOwnCellPlane + 1);
-  const torch::Tensor channels = (tower * marked).sum({2, 3});
-  return Activate(own_hidden_(channels), description_.leaky_slope) * marked.sum({2, 3});
+torch::Tensor NetworkImpl::OwnFeatures(const HeadInputs& inputs) {
+  const torch::Tensor channels = inputs.marked.select(/*dim=*/1, 0);
+  return Activate(own_hidden_(channels), description_.leaky_slope) *
+         inputs.present.slice(/*dim=*/1, 0, 1);
 }
 
-torch::Tensor NetworkImpl::OthersLogits(const torch::Tensor& tower, const torch::Tensor& planes) {
-  const torch::Tensor marked =
-      planes.slice(/*dim=*/1, kOwnCellPlane + 1, kOwnCellPlane + kAgentCount).flatten(2);
-  const torch::Tensor channels = marked.matmul(tower.flatten(2).transpose(1, 2));
+torch::Tensor NetworkImpl::OthersLogits(const HeadInputs& inputs) {
+  const torch::Tensor channels = inputs.marked.slice(/*dim=*/1, 1);
   const torch::Tensor hidden = Activate(others_hidden_(channels), description_.leaky_slope);
-  return others_policy_(hidden) * marked.sum(2, /*keepdim=*/true);
+  return others_policy_(hidden) * inputs.present.slice(/*dim=*/1, 1).unsqueeze(2);
 }
 
-NetworkOutput NetworkImpl::forward(const torch::Tensor& planes) {
-  torch::Tensor x = Run(stem_, planes);
-  for (Block& block : blocks_) x = block(x);
-  torch::Tensor hidden = value_hidden_(Run(value_, x).flatten(1));
-  torch::Tensor logits = policy_output_(Run(policy_, x).flatten(1));
+NetworkOutput NetworkImpl::forward(const torch::Tensor& planes) { return Heads(Convolve(planes)); }
+
+HeadInputs NetworkImpl::Convolve(const torch::Tensor& planes) {
+  torch::Tensor tower = Run(stem_, planes);
+  for (Block& block : blocks_) tower = block(tower);
+  HeadInputs inputs{.value = Run(value_, tower).flatten(1),
+                    .policy = Run(policy_, tower).flatten(1),
+                    .marked = {},
+                    .present = {}};
+  if (own_hidden_ || others_hidden_) {
+    const torch::Tensor marks =
+        planes.slice(/*dim=*/1, kOwnCellPlane, kOwnCellPlane + kAgentCount).flatten(2);
+    inputs.marked = marks.matmul(tower.flatten(2).transpose(1, 2));
+    inputs.present = marks.sum(2);
+  }
+  return inputs;
+}
+
+NetworkOutput NetworkImpl::Heads(const HeadInputs& inputs) {
+  torch::Tensor hidden = value_hidden_(inputs.value);
+  torch::Tensor logits = policy_output_(inputs.policy);
   if (own_hidden_) {
-    const torch::Tensor own = OwnFeatures(x, planes);
+    const torch::Tensor own = OwnFeatures(inputs);
     hidden = hidden + own_value_(own);
     logits = logits + own_policy_(own);
   }
   const torch::Tensor value = value_output_(Activate(hidden, description_.leaky_slope));
   return {.policy_logits = logits,
           .value = torch::tanh(value).squeeze(1),
-          .others_logits = others_hidden_ ? OthersLogits(x, planes) : torch::Tensor()};
+          .others_logits = others_hidden_ ? OthersLogits(inputs) : torch::Tensor()};
 }
 
 }  // namespace powderkeg

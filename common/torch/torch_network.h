@@ -17,6 +17,17 @@ struct NetworkOutput {
   torch::Tensor others_logits;
 };
 
+// What the convolutions hand to the linear layers of the heads.
+struct HeadInputs {
+  torch::Tensor value;   // [positions, value channels * cells], as the others activated
+  torch::Tensor policy;  // [positions, policy channels * cells]
+  // [positions, 4, channels], what the tower has of the cells of viewer, viewer + 1, + 2, + 3, and
+  // [positions, 4], 1 of who is marked in the planes (else 0, as its channels are). Undefined where
+  // the network has neither head that asks for them.
+  torch::Tensor marked;
+  torch::Tensor present;
+};
+
 // One block of the tower (see BlockDescription).
 class BlockImpl : public torch::nn::Module {
  public:
@@ -44,6 +55,9 @@ class NetworkImpl : public torch::nn::Module {
 
   // planes: [positions, 23, 11, 11].
   NetworkOutput forward(const torch::Tensor& planes);
+  // Its two halves: all convolutions, and the linear layers behind them.
+  HeadInputs Convolve(const torch::Tensor& planes);
+  NetworkOutput Heads(const HeadInputs& inputs);
 
   [[nodiscard]] const NetworkDescription& description() const { return description_; }
 
@@ -58,8 +72,8 @@ class NetworkImpl : public torch::nn::Module {
   void RegisterHeads(int channels);
   void RegisterCellHeads(int channels);
   // [positions, own_hidden] from what the tower says of the own cell.
-  torch::Tensor OwnFeatures(const torch::Tensor& tower, const torch::Tensor& planes);
-  torch::Tensor OthersLogits(const torch::Tensor& tower, const torch::Tensor& planes);
+  torch::Tensor OwnFeatures(const HeadInputs& inputs);
+  torch::Tensor OthersLogits(const HeadInputs& inputs);
 
   NetworkDescription description_;
   Branch stem_;

@@ -5,6 +5,9 @@
 
 #include <mutex>
 
+// Of the BLAS that some builds of LibTorch use; its threads are not LibTorch's.
+extern "C" __attribute__((weak)) void openblas_set_num_threads(int threads);
+
 namespace powderkeg {
 namespace {
 
@@ -26,6 +29,7 @@ void InitialiseTorch(int threads) {
     at::set_num_interop_threads(1);
   });
   at::set_num_threads(threads);
+  if (openblas_set_num_threads != nullptr) openblas_set_num_threads(threads);
 }
 
 }  // namespace powderkeg

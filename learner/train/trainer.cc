@@ -1,7 +1,5 @@
 #include "learner/train/trainer.h"
 
-#include <ATen/autocast_mode.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -16,15 +14,14 @@
 #include "common/torch/torch_headers.h"
 #include "common/torch/torch_network.h"
 #include "common/torch/torch_runtime.h"
+#include "learner/train/adamw.h"
 #include "learner/train/batch.h"
 #include "learner/train/schedule.h"
+#include "learner/train/training_pass.h"
 
 namespace powderkeg {
 namespace {
 
-using torch::optim::AdamW;
-using torch::optim::AdamWOptions;
-using torch::optim::AdamWParamState;
 using Clock = std::chrono::steady_clock;
 
 // Samples that are computed with at once: these bound memory and the time to a stop.
@@ -35,9 +32,6 @@ constexpr double kFarAboveGuessing = 2;
 
 // Of an action that cannot be taken.
 constexpr double kImpossibleLogit = -1e9;
-
-constexpr const char* kFirstMoment = ".exp_avg";
-constexpr const char* kSecondMoment = ".exp_avg_sq";
 
 // ---- Device and precision -----------------------------------------------------------------------
 
@@ -56,72 +50,6 @@ Precision PrecisionFor(const std::optional<Precision>& wanted, torch::Device dev
   if (wanted) return *wanted;
   return device.is_cuda() || __builtin_cpu_supports("avx512bf16") ? Precision::kBf16
                                                                   : Precision::kFp32;
-}
-
-// Switches autocast to bf16 while it lives.
-class Autocast {
- public:
-  Autocast(torch::Device device, Precision precision)
-      : device_(device), on_(precision == Precision::kBf16) {
-    if (on_) Switch(true);
-  }
-  ~Autocast() {
-    if (!on_) return;
-    Switch(false);
-    at::autocast::clear_cache();
-  }
-  Autocast(const Autocast&) = delete;
-  Autocast& operator=(const Autocast&) = delete;
-
- private:
-  void Switch(bool on) const {
-#if TORCH_VERSION_MAJOR > 2 || (TORCH_VERSION_MAJOR == 2 && TORCH_VERSION_MINOR >= 4)
-    at::autocast::set_autocast_dtype(device_.type(), torch::kBFloat16);
-    at::autocast::set_autocast_enabled(device_.type(), on);
-#else
-    if (device_.is_cuda()) {
-      at::autocast::set_autocast_gpu_dtype(torch::kBFloat16);
-      at::autocast::set_enabled(on);
-    } else {
-      at::autocast::set_autocast_cpu_dtype(torch::kBFloat16);
-      at::autocast::set_cpu_enabled(on);
-    }
-#endif
-  }
-
-  torch::Device device_;
-  bool on_;
-};
-
-// ---- Optimizer state ----------------------------------------------------------------------------
-
-// The optimizer's name for a parameter: text in LibTorch 1, a pointer in LibTorch 2.
-template <typename States>
-auto KeyOf(const States&, const torch::Tensor& parameter) {
-  if constexpr (std::is_same_v<typename States::key_type, std::string>) {
-    return c10::guts::to_string(parameter.unsafeGetTensorImpl());
-  } else {
-    return static_cast<void*>(parameter.unsafeGetTensorImpl());
-  }
-}
-
-NamedArray ToArray(std::string name, const torch::Tensor& tensor) {
-  const torch::Tensor values = tensor.detach().to(torch::kCPU, torch::kFloat32).contiguous();
-  const float* const first = values.data_ptr<float>();
-  return {std::move(name), tensor.sizes().vec(), {first, first + values.numel()}};
-}
-
-// The array `name` in the memory format and on the device of `like`. Throws Error.
-torch::Tensor FromArray(const std::vector<NamedArray>& arrays, const std::string& name,
-                        const torch::Tensor& like) {
-  const auto found = std::ranges::find(arrays, name, &NamedArray::name);
-  if (found == arrays.end()) throw Error(StrCat("optimizer state: ", name, " is missing"));
-  if (like.sizes() != torch::IntArrayRef(found->shape)) {
-    throw Error(StrCat("optimizer state: ", name, " has another shape than its parameter"));
-  }
-  const torch::Tensor values =
-      torch::from_blob(const_cast<float*>(found->values.data()), found->shape, torch::kFloat32);
-  return torch::empty_like(like, torch::TensorOptions().requires_grad(false)).copy_(values);
 }
 
 // ---- One training step --------------------------------------------------------------------------
@@ -186,8 +114,8 @@ struct Trainer::Implementation {
   torch::Device device;
   Precision precision;
   Network network;
+  TrainingPass pass;
   AdamW optimizer;
-  std::uint64_t steps;
   std::uint64_t samples_seen;
   TrainingBatch batch;
 
@@ -197,44 +125,16 @@ struct Trainer::Implementation {
         device(DeviceFor(settings.training.device)),
         precision(PrecisionFor(settings.precision, device)),
         network(MakeOnDevice(state.weights, device)),
-        optimizer(network->parameters(), AdamWOptions(settings.training.learning_rate)
-                                             .weight_decay(settings.training.weight_decay)),
-        steps(state.optimizer_steps),
+        pass(network, device, precision, settings.training.threads),
+        optimizer(*network, settings.training.weight_decay, state.optimizer_steps),
         samples_seen(state.samples_seen) {
-    if (!state.optimizer.empty()) RestoreOptimizer(state);
+    if (!state.optimizer.empty()) optimizer.Restore(state.optimizer);
   }
 
   static Network MakeOnDevice(const WeightsSnapshot& weights, torch::Device device) {
     Network network = MakeNetwork(weights);
     network->to(device);
-    for (torch::Tensor& parameter : network->parameters()) {
-      if (parameter.dim() == 4) {
-        parameter.set_data(parameter.data().contiguous(torch::MemoryFormat::ChannelsLast));
-      }
-    }
     return network;
-  }
-
-  void RestoreOptimizer(const TrainerState& state) {
-    for (const auto& parameter : network->named_parameters()) {
-      auto moments = std::make_unique<AdamWParamState>();
-      moments->step(static_cast<std::int64_t>(steps));
-      moments->exp_avg(FromArray(state.optimizer, parameter.key() + kFirstMoment, *parameter));
-      moments->exp_avg_sq(FromArray(state.optimizer, parameter.key() + kSecondMoment, *parameter));
-      optimizer.state()[KeyOf(optimizer.state(), *parameter)] = std::move(moments);
-    }
-  }
-
-  [[nodiscard]] std::vector<NamedArray> OptimizerArrays() {
-    std::vector<NamedArray> arrays;
-    for (const auto& parameter : network->named_parameters()) {
-      const auto found = optimizer.state().find(KeyOf(optimizer.state(), *parameter));
-      if (found == optimizer.state().end()) return {};  // no step yet
-      const auto& moments = static_cast<const AdamWParamState&>(*found->second);
-      arrays.push_back(ToArray(parameter.key() + kFirstMoment, moments.exp_avg()));
-      arrays.push_back(ToArray(parameter.key() + kSecondMoment, moments.exp_avg_sq()));
-    }
-    return arrays;
   }
 
   [[nodiscard]] torch::Tensor OnDevice(std::vector<float>& values, torch::IntArrayRef shape) const {
@@ -244,15 +144,9 @@ struct Trainer::Implementation {
   // Of the slice in `batch`, the sum over its samples; its parts are added to `losses`.
   torch::Tensor LossOf(Losses& losses) {
     const auto size = static_cast<std::int64_t>(batch.size);
-    const torch::Tensor planes = OnDevice(batch.planes, {size, kPlaneCount, kBoardSize, kBoardSize})
-                                     .contiguous(torch::MemoryFormat::ChannelsLast);
     const torch::Tensor policies = OnDevice(batch.policies, {size, kActionCount});
     const torch::Tensor values = OnDevice(batch.values, {size});
-    NetworkOutput output;
-    {
-      const Autocast autocast(device, precision);
-      output = network->forward(planes);
-    }
+    const NetworkOutput output = pass.Forward(batch.planes, size);
     const torch::Tensor logits = output.policy_logits.to(torch::kFloat32);
     const torch::Tensor policy_loss = -(policies * logits.log_softmax(1)).sum();
     const torch::Tensor value_loss = (values - output.value.to(torch::kFloat32)).square().sum();
@@ -288,20 +182,16 @@ struct Trainer::Implementation {
             const std::stop_token& stop, const std::function<void()>& slice_done) {
     const auto batch_size = static_cast<std::size_t>(settings.training.batch_size);
     std::vector<const Sample*> slice;
-    optimizer.zero_grad();
-    for (torch::optim::OptimizerParamGroup& group : optimizer.param_groups()) {
-      static_cast<AdamWOptions&>(group.options()).lr(learning_rate);
-    }
+    optimizer.ZeroGradients();
     for (std::size_t left = batch_size; left > 0; left -= slice.size()) {
       if (stop.stop_requested()) return false;
       slice.resize(std::min(left, kSlice));
       stream.Next(slice);
       BuildBatch(settings.game, targets, slice, rng, batch);
-      (LossOf(losses) / settings.training.batch_size).backward();
+      pass.Backward(LossOf(losses) / settings.training.batch_size);
       slice_done();
     }
-    optimizer.step();
-    ++steps;
+    optimizer.Step(learning_rate);
     samples_seen += batch_size;
     return true;
   }
@@ -402,8 +292,8 @@ TrainingResult Trainer::Measure(std::span<const Sample> samples) {
 
 TrainerState Trainer::state(std::uint32_t version) const {
   return {.weights = ToSnapshot(implementation_->network, version),
-          .optimizer = implementation_->OptimizerArrays(),
-          .optimizer_steps = implementation_->steps,
+          .optimizer = implementation_->optimizer.Arrays(),
+          .optimizer_steps = implementation_->optimizer.steps(),
           .samples_seen = implementation_->samples_seen};
 }
 
