@@ -135,57 +135,67 @@ std::ptrdiff_t Inside(int side, int channels, int row, int column) {
 
 // ---- Dense convolutions -------------------------------------------------------------------------
 
-// One row of the result. A cell is read once for all taps of its row of the kernel. kInputs: 0 if
-// not known here.
-template <int kKernel, int kColumns, int kVectors, int kInputs>
-void ConvolveRow(const DenseShape& shape, const Bf16* row, const Bf16* packed, float* result) {
+// kRows rows of the result. A cell is read once for all taps of its row of the kernel. kInputs: 0
+// if not known here.
+template <int kKernel, int kColumns, int kVectors, int kInputs, int kRows>
+void ConvolveRows(const DenseShape& shape, const Bf16* cells, const Bf16* packed, float* result) {
   const int inputs = kInputs > 0 ? kInputs : shape.inputs;
   const int pitch = (kColumns + 2) * inputs;
   const int tap_size = inputs * kVectors * kLanes;
-  __m512 sums[kColumns][kVectors];
-  for (auto& of_column : sums) {
-    for (__m512& sum : of_column) sum = _mm512_setzero_ps();
+  __m512 sums[kRows * kColumns][kVectors];
+  for (auto& of_cell : sums) {
+    for (__m512& sum : of_cell) sum = _mm512_setzero_ps();
   }
-  for (int tap_row = 0; tap_row < kKernel; ++tap_row, row += pitch, packed += kKernel * tap_size) {
+  for (int tap_row = 0; tap_row < kKernel; ++tap_row, cells += pitch) {
     for (int input = 0; input < inputs; input += 2) {
       __m512i weights[kKernel][kVectors];
-      for (int tap = 0; tap < kKernel; ++tap) {
-        for (int i = 0; i < kVectors; ++i) {
-          weights[tap][i] =
-              _mm512_loadu_si512(packed + tap * tap_size + (input * kVectors + i * 2) * kLanes);
-        }
+      for (int i = 0; i < kKernel * kVectors; ++i) {
+        weights[i / kVectors][i % kVectors] = _mm512_loadu_si512(
+            packed + i / kVectors * tap_size + (input * kVectors + i % kVectors * 2) * kLanes);
       }
-#pragma GCC unroll 13
-      for (int cell = 0; cell < kColumns + kKernel - 1; ++cell) {
-        const __m512i pair = Broadcast(row + cell * inputs + input);
+#pragma GCC unroll 26
+      for (int i = 0; i < kRows * (kColumns + kKernel - 1); ++i) {
+        const int row = i / (kColumns + kKernel - 1);
+        const int cell = i % (kColumns + kKernel - 1);
+        const __m512i pair = Broadcast(cells + row * pitch + cell * inputs + input);
 #pragma GCC unroll 3
         for (int tap = 0; tap < kKernel; ++tap) {
           const int column = cell - tap;
           if (column < 0 || column >= kColumns) continue;
-          for (int i = 0; i < kVectors; ++i) {
-            sums[column][i] = AddProducts(sums[column][i], weights[tap][i], pair);
+          for (int vector = 0; vector < kVectors; ++vector) {
+            __m512& sum = sums[row * kColumns + column][vector];
+            sum = AddProducts(sum, weights[tap][vector], pair);
           }
         }
       }
     }
+    packed += kKernel * tap_size;
   }
-#pragma GCC unroll 11
-  for (int column = 0; column < kColumns; ++column) {
+#pragma GCC unroll 22
+  for (int cell = 0; cell < kRows * kColumns; ++cell) {
     for (int i = 0; i < kVectors; ++i) {
-      _mm512_storeu_ps(result + column * shape.outputs + i * kLanes, sums[column][i]);
+      _mm512_storeu_ps(result + cell * shape.outputs + i * kLanes, sums[cell][i]);
     }
   }
 }
 
 template <int kKernel, int kColumns, int kVectors, int kInputs>
 void ConvolveField(const DenseShape& shape, const Bf16* field, const Bf16* packed, float* result) {
+  constexpr int kRows = kVectors == 1 ? 2 : 1;  // as many sums as registers hold
+  constexpr int kLeft = kColumns % kRows;
   const int pitch = (kColumns + 2) * shape.inputs;
   const Bf16* const first = field + (kKernel == 1 ? pitch + shape.inputs : 0);
   const int block = kVectors * kLanes;
   for (int output = 0; output < shape.outputs; output += block) {
-    for (int row = 0; row < kColumns; ++row) {
-      ConvolveRow<kKernel, kColumns, kVectors, kInputs>(
-          shape, first + row * pitch, packed, result + row * kColumns * shape.outputs + output);
+    float* to = result + output;
+    int row = 0;
+    for (; row + kRows <= kColumns; row += kRows, to += kRows * kColumns * shape.outputs) {
+      ConvolveRows<kKernel, kColumns, kVectors, kInputs, kRows>(shape, first + row * pitch, packed,
+                                                                to);
+    }
+    if constexpr (kLeft > 0) {
+      ConvolveRows<kKernel, kColumns, kVectors, kInputs, kLeft>(shape, first + row * pitch, packed,
+                                                                to);
     }
     packed += kKernel * kKernel * shape.inputs * block;
   }
