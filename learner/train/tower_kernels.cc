@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdlib>
 #include <cstring>
 
 #include "common/base/check.h"
@@ -603,9 +604,37 @@ void PlanesOf(int side, int channels, const Bf16* field, int first, int count, f
 #pragma GCC pop_options
 #endif
 
-#else  // no x86-64: CanRun() is false, and the rest is never called
+#else  // no x86-64
+
+namespace {
+[[noreturn]] void Refuse() {
+  CHECK(false, "CanRun says no");
+  std::abort();
+}
+}  // namespace
 
 bool CanRun() { return false; }
+void FieldOfPlanes(int, int, int, const float*, Bf16*) { Refuse(); }
+void Convolve(const DenseShape&, const Bf16*, const Bf16*, float*) { Refuse(); }
+void Convolve(const DepthwiseShape&, const Bf16*, const float*, float*) { Refuse(); }
+void PairNeighbours(const DenseShape&, const Bf16*, std::uint32_t*) { Refuse(); }
+void PairGradient(const DenseShape&, const Bf16*, std::uint32_t*) { Refuse(); }
+void AddWeightGradient(const DenseShape&, const std::uint32_t*, const std::uint32_t*, float*) {
+  Refuse();
+}
+void AddWeightGradient(const DepthwiseShape&, const Bf16*, const Bf16*, float*) { Refuse(); }
+void StoreRaw(int, int, const float*, Bf16*, double*, double*) { Refuse(); }
+void MakeValue(int, int, const Bf16*, const Affine&, const Bf16*, Bf16*, Bf16*) { Refuse(); }
+void FieldOf(int, int, const Bf16*, Bf16*) { Refuse(); }
+void AddCell(int, int, const Bf16*, int, float*) { Refuse(); }
+void PlanesOf(int, int, const Bf16*, int, int, float*) { Refuse(); }
+void ThroughActivation(int, int, const float*, const Bf16*, float, const Bf16*, const Bf16*, Bf16*,
+                       double*, double*) {
+  Refuse();
+}
+void ThroughNorm(int, int, const Bf16*, const Bf16*, const NormGradient&, int, int, Bf16*) {
+  Refuse();
+}
 
 #endif
 
