@@ -164,6 +164,10 @@ constexpr Figure kIterationFigures[] = {
      "Weighted sum of the losses of its training.", "loss"},
     {"policy_loss", Of<&Report::policy_loss>, "", "%6.3f", "policy loss",
      "Mean loss of the policy in its training.", "policy", &kPolicyLoss},
+    {"target_entropy", Of<&Report::target_entropy>, "", "%6.3f", "target entropy",
+     "Mean entropy of the policy's targets: the least that its loss can be. The difference is the "
+     "Kullback-Leibler divergence.",
+     "", &kPolicyLoss},
     {"value_loss", Of<&Report::value_loss>, "", "%5.3f", "value loss",
      "Mean loss of the value in its training.", "value", &kValueLoss},
     {"policy_accuracy", Of<&Report::policy_accuracy>, "%", "%5.1f", "agreement",

@@ -24,6 +24,7 @@ struct IterationReport {
   double weights_lag = 0;  // mean age of the weights that games started with, in versions
   double total_loss = 0;
   double policy_loss = 0;
+  double target_entropy = 0;  // of the policy's targets
   double value_loss = 0;
   double policy_accuracy = 0;  // how often the network's best action is the target's
   double others_accuracy = 0;  // how often it foretold what one of the others in view did next

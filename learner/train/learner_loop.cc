@@ -79,6 +79,7 @@ IterationReport MakeReport(int iteration, const DataSet& data_set, const Trainin
   report.weights_lag = iteration - static_cast<double>(play.weights_versions) / games;
   report.total_loss = training.total_loss;
   report.policy_loss = training.policy_loss;
+  report.target_entropy = training.target_entropy;
   report.value_loss = training.value_loss;
   report.policy_accuracy = training.policy_accuracy;
   report.others_accuracy = training.others_accuracy;

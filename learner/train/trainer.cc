@@ -64,6 +64,7 @@ TargetSettings TargetsOf(const TrainingConfig& training) {
 // Sums over samples, kept on the device: reading them waits for it.
 struct Losses {
   torch::Tensor policy;
+  torch::Tensor entropy;  // of the policy targets
   torch::Tensor value;
   torch::Tensor agreements;  // of samples that have a policy target
   torch::Tensor policies;    // such samples
@@ -75,6 +76,7 @@ struct Losses {
   explicit Losses(torch::Device device) {
     const auto options = torch::TensorOptions().dtype(torch::kFloat64).device(device);
     policy = torch::zeros({}, options);
+    entropy = torch::zeros({}, options);
     value = torch::zeros({}, options);
     agreements = torch::zeros({}, options);
     policies = torch::zeros({}, options);
@@ -151,6 +153,7 @@ struct Trainer::Implementation {
     const torch::Tensor policy_loss = -(policies * logits.log_softmax(1)).sum();
     const torch::Tensor value_loss = (values - output.value.to(torch::kFloat32)).square().sum();
     losses.policy += policy_loss.detach();
+    losses.entropy -= torch::xlogy(policies, policies).sum();
     losses.value += value_loss.detach();
     const torch::Tensor has_policy = policies.sum(1) > 0;
     losses.agreements += (logits.argmax(1).eq(policies.argmax(1)) & has_policy).sum();
@@ -202,6 +205,7 @@ struct Trainer::Implementation {
     const double count = std::max(1.0, static_cast<double>(losses.samples));
     const double policies = std::max(1.0, losses.policies.item<double>());
     result.policy_loss = losses.policy.item<double>() / policies;
+    result.target_entropy = losses.entropy.item<double>() / policies;
     result.value_loss = losses.value.item<double>() / count;
     result.policy_accuracy = losses.agreements.item<double>() / policies;
     const double others = std::max(1.0, losses.others_count.item<double>());

@@ -31,8 +31,9 @@ struct TrainingResult {
   // alpha * value_loss + (1 - alpha) * policy_loss, which is 0 for samples without a policy target,
   // + others_weight * others_loss for each of the others that is foretold.
   double total_loss = 0;
-  double policy_loss = 0;  // cross entropy over all six actions; of samples with a policy target
-  double value_loss = 0;   // (z' - v)^2
+  double policy_loss = 0;     // cross entropy over all six actions; of samples with a policy target
+  double target_entropy = 0;  // of those targets, in nats; beside it the loss is the KL divergence
+  double value_loss = 0;      // (z' - v)^2
   double policy_accuracy = 0;  // how often the best action is the target's, where there is one
   // Of the others in view, each by itself; 0 where the network foretells nobody.
   double others_loss = 0;      // cross entropy over what the position allows

@@ -7,6 +7,7 @@
 
 #include "common/base/check.h"
 #include "common/torch/torch_evaluator.h"
+#include "learner/train/batch.h"
 #include "learner/train/checkpoint.h"
 #include "tests/learner/played_games.h"
 #include "tests/learner/record_support.h"
@@ -81,6 +82,13 @@ TEST(Trainer, TheLossIsThePapers) {
   double squares = 0;
   for (std::size_t i = 0; i < window.size(); ++i) squares += window[i].outcome * window[i].outcome;
   EXPECT_NEAR(result.policy_loss, std::log(6.0), 0.05);
+  double entropy = 0;
+  for (std::size_t i = 0; i < window.size(); ++i) {
+    for (const float p : PolicyTarget(window[i].visits, settings.training.target_argmax_weight)) {
+      if (p > 0) entropy -= p * std::log(p);
+    }
+  }
+  EXPECT_NEAR(result.target_entropy, entropy / static_cast<double>(window.size()), 1e-4);
   EXPECT_NEAR(result.value_loss, squares / static_cast<double>(window.size()), 0.1);
   EXPECT_EQ(result.samples, window.size());
 }
