@@ -23,8 +23,9 @@ enum class WeightsSwap : std::uint8_t { kAtGameStart, kAtOnce };
 [[nodiscard]] Names NamesOf(BoardGenerator);
 [[nodiscard]] Names NamesOf(StartCorners);
 
-inline constexpr std::array<std::string_view, 2> kNetworkNames = {"small", "paper"};
 inline constexpr std::array<std::string_view, 2> kInitialisationNames = {"he", "pytorch"};
+inline constexpr std::array<std::string_view, 3> kLearningRateSchedules = {"exponential", "cosine",
+                                                                           "one_cycle"};
 inline constexpr std::array<std::string_view, 3> kDeviceNames = {"auto", "cpu", "cuda"};
 
 // How games are played: what every actor of a run must use. Travels in Welcome.

@@ -104,12 +104,6 @@ NetworkDescription SmallNetwork() {
   return network;
 }
 
-NetworkDescription NetworkByName(std::string_view name) {
-  if (name == "paper") return PaperNetwork();
-  if (name == "small") return SmallNetwork();
-  throw Error(StrCat("unknown network '", name, "', expected paper or small"));
-}
-
 void Validate(const NetworkDescription& description) {
   RequireRange("planes", description.planes, kPlaneCount, kPlaneCount);
   RequireRange("stem_channels", description.stem_channels, 1, kMaxChannels);

@@ -64,7 +64,12 @@ struct NetworkDescription {
 // A network for learning on CPUs (53,893 parameters, 1.6 M multiply-adds): an own head, and one
 // that foretells the others, on a tower in which each cell sees the 11x11 cells around it.
 [[nodiscard]] NetworkDescription SmallNetwork();
-// By name: "paper" or "small". Throws Error otherwise.
+// "paper", "small", or its parts with '+' between them, in the order of the tower:
+//   stemCHANNELS[-STRIDE], first and always
+//   residualCHANNELS[-STRIDE][xTIMES], invertedEXPANDED-CHANNELS[-STRIDE][xTIMES]
+//   valueCHANNELS-HIDDEN, policyCHANNELS, ownHIDDEN, othersHIDDEN; left out: as in `small`, without
+//   the last two where a stride makes the board smaller
+// such as stem32+residual32x4. Throws Error otherwise.
 [[nodiscard]] NetworkDescription NetworkByName(std::string_view name);
 
 // Throws Error with the reason if no network can be built from it or it needs absurd resources (it

@@ -5,7 +5,8 @@
 
 #include <mutex>
 
-// Of the BLAS that some builds of LibTorch use; its threads are not LibTorch's.
+// Of the BLAS that some builds of LibTorch use. Its threads are not those of LibTorch: they would
+// wait for each other in a loop where LibTorch has its own at work.
 extern "C" __attribute__((weak)) void openblas_set_num_threads(int threads);
 
 namespace powderkeg {
@@ -29,7 +30,7 @@ void InitialiseTorch(int threads) {
     at::set_num_interop_threads(1);
   });
   at::set_num_threads(threads);
-  if (openblas_set_num_threads != nullptr) openblas_set_num_threads(threads);
+  if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
 }
 
 }  // namespace powderkeg

@@ -23,6 +23,7 @@
 #include "common/config/config.h"
 #include "common/config/tree_memory.h"
 #include "common/model/model_name.h"
+#include "common/model/network_description.h"
 #include "learner/replay/demonstrations.h"
 
 namespace powderkeg {
@@ -116,6 +117,7 @@ RunConfig CheckRun(const std::filesystem::path& folder, const std::string& file,
                    std::span<const std::string> changes) {
   static_cast<void>(RunNameOf(folder));
   RunConfig config = ConfigOfRun(folder, file, changes);
+  static_cast<void>(NetworkByName(config.training.network));
   WarnOfTrees("each game loop of an actor", TreeBytesOfLoop(config.self_play));
   return config;
 }

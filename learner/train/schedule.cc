@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "common/base/check.h"
@@ -12,12 +13,27 @@ namespace {
 // Of a game before the first one was added.
 constexpr std::uint64_t kUsualDecisions = 200;
 
+// One cycle (Smith and Topin 2018) rises from 1 / kRiseFactor in this part of the run.
+constexpr double kRise = 0.3;
+constexpr double kRiseFactor = 25;
+
+// Half a cosine from one value to the other; `part` from 0 to 1.
+double AlongCosine(double from, double to, double part) {
+  return to + (from - to) * (1 + std::cos(std::numbers::pi * part)) / 2;
+}
+
 }  // namespace
 
 double LearningRateAfter(const TrainingConfig& training, double iterations) {
-  if (training.final_learning_rate == 0) return training.learning_rate;
-  return training.learning_rate * std::pow(training.final_learning_rate / training.learning_rate,
-                                           iterations / training.iterations);
+  const double highest = training.learning_rate;
+  const double last = training.final_learning_rate;
+  const double part = iterations / training.iterations;
+  if (training.learning_rate_schedule == "cosine") return AlongCosine(highest, last, part);
+  if (training.learning_rate_schedule == "one_cycle") {
+    if (part < kRise) return AlongCosine(highest / kRiseFactor, highest, part / kRise);
+    return AlongCosine(highest, last, (part - kRise) / (1 - kRise));
+  }
+  return last == 0 ? highest : highest * std::pow(last / highest, part);
 }
 
 std::uint32_t VersionToPlay(int iterations_done, FirstWeights first) {

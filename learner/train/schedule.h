@@ -14,7 +14,7 @@
 namespace powderkeg {
 
 // The learning rate after so many iterations, of which the last may be done in part: from
-// learning_rate to final_learning_rate by equal factors, or constant.
+// learning_rate to final_learning_rate as learning_rate_schedule says.
 [[nodiscard]] double LearningRateAfter(const TrainingConfig& training, double iterations);
 
 // What the weights of version 1, before the first iteration, are.

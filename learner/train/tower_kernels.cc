@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdlib>
 #include <cstring>
 
 #include "common/base/check.h"
@@ -492,30 +493,6 @@ struct RawStorer {
 };
 
 template <int kVectors>
-struct ValueMaker {
-  static void Run(int channel, int channels, int side, const Bf16* raw, Affine affine,
-                  const Bf16* addend, Bf16* kept, Bf16* field) {
-    const __m512 slope = _mm512_set1_ps(affine.slope);
-    const auto scale = Group<kVectors>::Of(affine.scale + channel);
-    const auto shift = Group<kVectors>::Of(affine.shift + channel);
-    std::ptrdiff_t cell = channel;
-    for (int row = 0; row < side; ++row) {
-      Bf16* to = field + Inside(side, channels, row, 0) + channel;
-      for (int column = 0; column < side; ++column, cell += channels, to += channels) {
-        for (int i = 0; i < kVectors; ++i) {
-          const std::ptrdiff_t at = cell + i * kLanes;
-          __m512 value = _mm512_fmadd_ps(Load(raw + at), scale.lanes[i], shift.lanes[i]);
-          if (addend != nullptr) value = _mm512_add_ps(value, Load(addend + at));
-          value = _mm512_max_ps(value, _mm512_mul_ps(value, slope));
-          Store(to + i * kLanes, value);
-          if (kept != nullptr) Store(kept + at, value);
-        }
-      }
-    }
-  }
-};
-
-template <int kVectors>
 struct ActivationPasser {
   static void Run(int channel, int channels, int side, const float* result, const Bf16* addend,
                   float slope, const Bf16* value_field, const Bf16* raw, Bf16* gradient,
@@ -545,27 +522,6 @@ struct ActivationPasser {
   }
 };
 
-template <int kVectors>
-struct NormPasser {
-  static void Run(int channel, int channels, int side, const Bf16* gradient, const Bf16* raw,
-                  NormGradient norm, int field_side, int stride, Bf16* field) {
-    for (int row = 0; row < side; ++row) {
-      std::ptrdiff_t cell = static_cast<std::ptrdiff_t>(row * side) * channels + channel;
-      Bf16* to = field + Inside(field_side, channels, row * stride, 0) + channel;
-      for (int column = 0; column < side; ++column, cell += channels, to += stride * channels) {
-        for (int i = 0; i < kVectors; ++i) {
-          const int lane = channel + i * kLanes;
-          const std::ptrdiff_t at = cell + i * kLanes;
-          const __m512 rest = _mm512_fmadd_ps(Load(raw + at), _mm512_loadu_ps(norm.of_raw + lane),
-                                              _mm512_loadu_ps(norm.constant + lane));
-          Store(to + i * kLanes, _mm512_fmadd_ps(Load(gradient + at),
-                                                 _mm512_loadu_ps(norm.of_gradient + lane), rest));
-        }
-      }
-    }
-  }
-};
-
 }  // namespace
 
 void StoreRaw(int cells, int channels, const float* result, Bf16* raw, double* sums,
@@ -575,7 +531,26 @@ void StoreRaw(int cells, int channels, const float* result, Bf16* raw, double* s
 
 void MakeValue(int side, int channels, const Bf16* raw, const Affine& affine, const Bf16* addend,
                Bf16* kept, Bf16* field) {
-  InGroups<ValueMaker>(channels, side, raw, affine, addend, kept, field);
+  const __m512 slope = _mm512_set1_ps(affine.slope);
+  for (int row = 0; row < side; ++row) {
+    Bf16* to = field + Inside(side, channels, row, 0);
+    for (int column = 0; column < side; ++column) {
+      for (int channel = 0; channel < channels; channel += kLanes, raw += kLanes, to += kLanes) {
+        __m512 value = _mm512_fmadd_ps(Load(raw), _mm512_loadu_ps(affine.scale + channel),
+                                       _mm512_loadu_ps(affine.shift + channel));
+        if (addend != nullptr) {
+          value = _mm512_add_ps(value, Load(addend));
+          addend += kLanes;
+        }
+        value = _mm512_max_ps(value, _mm512_mul_ps(value, slope));
+        Store(to, value);
+        if (kept != nullptr) {
+          Store(kept, value);
+          kept += kLanes;
+        }
+      }
+    }
+  }
 }
 
 void ThroughActivation(int side, int channels, const float* result, const Bf16* addend, float slope,
@@ -587,7 +562,19 @@ void ThroughActivation(int side, int channels, const float* result, const Bf16* 
 
 void ThroughNorm(int side, int channels, const Bf16* gradient, const Bf16* raw,
                  const NormGradient& norm, int field_side, int stride, Bf16* field) {
-  InGroups<NormPasser>(channels, side, gradient, raw, norm, field_side, stride, field);
+  for (int row = 0; row < side; ++row) {
+    for (int column = 0; column < side; ++column) {
+      Bf16* to = field + Inside(field_side, channels, row * stride, column * stride);
+      for (int channel = 0; channel < channels; channel += kLanes, to += kLanes) {
+        const __m512 rest = _mm512_fmadd_ps(Load(raw), _mm512_loadu_ps(norm.of_raw + channel),
+                                            _mm512_loadu_ps(norm.constant + channel));
+        Store(to,
+              _mm512_fmadd_ps(Load(gradient), _mm512_loadu_ps(norm.of_gradient + channel), rest));
+        raw += kLanes;
+        gradient += kLanes;
+      }
+    }
+  }
 }
 
 void FieldOf(int side, int channels, const Bf16* values, Bf16* field) {
@@ -617,9 +604,37 @@ void PlanesOf(int side, int channels, const Bf16* field, int first, int count, f
 #pragma GCC pop_options
 #endif
 
-#else  // no x86-64: CanRun() is false, and the rest is never called
+#else  // no x86-64
+
+namespace {
+[[noreturn]] void Refuse() {
+  CHECK(false, "CanRun says no");
+  std::abort();
+}
+}  // namespace
 
 bool CanRun() { return false; }
+void FieldOfPlanes(int, int, int, const float*, Bf16*) { Refuse(); }
+void Convolve(const DenseShape&, const Bf16*, const Bf16*, float*) { Refuse(); }
+void Convolve(const DepthwiseShape&, const Bf16*, const float*, float*) { Refuse(); }
+void PairNeighbours(const DenseShape&, const Bf16*, std::uint32_t*) { Refuse(); }
+void PairGradient(const DenseShape&, const Bf16*, std::uint32_t*) { Refuse(); }
+void AddWeightGradient(const DenseShape&, const std::uint32_t*, const std::uint32_t*, float*) {
+  Refuse();
+}
+void AddWeightGradient(const DepthwiseShape&, const Bf16*, const Bf16*, float*) { Refuse(); }
+void StoreRaw(int, int, const float*, Bf16*, double*, double*) { Refuse(); }
+void MakeValue(int, int, const Bf16*, const Affine&, const Bf16*, Bf16*, Bf16*) { Refuse(); }
+void FieldOf(int, int, const Bf16*, Bf16*) { Refuse(); }
+void AddCell(int, int, const Bf16*, int, float*) { Refuse(); }
+void PlanesOf(int, int, const Bf16*, int, int, float*) { Refuse(); }
+void ThroughActivation(int, int, const float*, const Bf16*, float, const Bf16*, const Bf16*, Bf16*,
+                       double*, double*) {
+  Refuse();
+}
+void ThroughNorm(int, int, const Bf16*, const Bf16*, const NormGradient&, int, int, Bf16*) {
+  Refuse();
+}
 
 #endif
 

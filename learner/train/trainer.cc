@@ -299,7 +299,8 @@ TrainerState Trainer::state(std::uint32_t version) const {
 
 std::string Trainer::description() const {
   return StrCat(implementation_->device.is_cuda() ? "cuda" : "cpu", " ",
-                NameOf(implementation_->precision), ", ",
+                NameOf(implementation_->precision),
+                implementation_->pass.fused() ? " by own kernels, " : " by LibTorch's, ",
                 implementation_->settings.training.threads, " threads");
 }
 

@@ -72,7 +72,7 @@ class Trainer {
   // The state with the weights as `version`; waits for the device.
   [[nodiscard]] TrainerState state(std::uint32_t version) const;
 
-  // For logs: "cpu bf16, 2 threads".
+  // For logs: "cpu bf16 by own kernels, 2 threads".
   [[nodiscard]] std::string description() const;
 
  private:

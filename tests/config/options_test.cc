@@ -18,11 +18,11 @@ using testing::HasSubstr;
 template <typename Settings>
 std::string OtherValueOf(const Option<Settings>& option) {
   const std::string initial = option.write(Settings{}, option.allowed);
-  for (const char* text : {"2",       "0.5",        "-0.5",           "0.25",    "true",
-                           "false",   "two_player", "most_dangerous", "idle",    "reset",
-                           "gumbel",  "uniform",    "official",       "at_once", "fp32",
-                           "paper",   "cpu",        "newest",         "moves",   "OneVsOne-v0",
-                           "pytorch", "as_foretold"}) {
+  for (const char* text : {"2",       "0.5",         "-0.5",           "0.25",    "true",
+                           "false",   "two_player",  "most_dangerous", "idle",    "reset",
+                           "gumbel",  "uniform",     "official",       "at_once", "fp32",
+                           "paper",   "cpu",         "newest",         "moves",   "OneVsOne-v0",
+                           "pytorch", "as_foretold", "cosine"}) {
     Settings settings;
     if (text != initial && option.read(text, option.allowed, settings)) return text;
   }

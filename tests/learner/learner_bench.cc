@@ -92,12 +92,12 @@ void BuildBatches(benchmark::State& state) {
 }
 BENCHMARK(BuildBatches)->Unit(benchmark::kMicrosecond)->Name("batch of 256, samples");
 
-// Arguments: 0 small, 1 paper; precision; batch size.
+// Arguments: 0 small, 1 paper; precision; threads.
 void TrainNetwork(benchmark::State& state) {
   const ReplayWindow window = MakeWindow(20);
   TrainerSettings settings;
   settings.precision = static_cast<Precision>(state.range(1));
-  settings.training.batch_size = static_cast<int>(state.range(2));
+  settings.training.threads = static_cast<int>(state.range(2));
   settings.training.epochs =
       4.0 * settings.training.batch_size / static_cast<double>(window.size());
   TrainerState start;
@@ -111,10 +111,10 @@ void TrainNetwork(benchmark::State& state) {
   state.SetItemsProcessed(static_cast<std::int64_t>(samples));
 }
 BENCHMARK(TrainNetwork)
-    ->ArgNames({"paper", "precision", "batch"})
+    ->ArgNames({"paper", "precision", "threads"})
     ->ArgsProduct({{0, 1},
                    {static_cast<long>(Precision::kFp32), static_cast<long>(Precision::kBf16)},
-                   {128, 256}})
+                   {1, 2}})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime()
     ->Name("train, samples");

@@ -160,6 +160,17 @@ TEST(ConfigOfRun, KeepsWhatGamesAndWeightsAreOf) {
   EXPECT_THAT(changed("training.network=paper"), HasSubstr("training.network is paper"));
 }
 
+TEST(CheckRun, RefusesANetworkThatCannotBe) {
+  const TemporaryFolder folder;
+  const auto check = [&](const std::string& network) {
+    const std::vector<std::string> changes = {"training.network=" + network};
+    return MessageOf([&] { CheckRun(folder.path(), "", changes); });
+  };
+  EXPECT_EQ(check("stem32+residual32x3"), "no error");
+  EXPECT_THAT(check("large"), HasSubstr("unknown network 'large'"));
+  EXPECT_THAT(check("stem32+residul32"), HasSubstr("\"residul32\""));
+}
+
 // ---- Files that a run keeps ---------------------------------------------------------------------
 
 constexpr char kFreeForAll[] = "PommeFFACompetition-v0";

@@ -139,6 +139,24 @@ TEST(Schedule, TheLearningRateFallsByEqualFactors) {
   EXPECT_DOUBLE_EQ(LearningRateAfter(training, 3), 0.0004);
 }
 
+TEST(Schedule, TheLearningRateFollowsItsSchedule) {
+  TrainingConfig training;
+  training.iterations = 10;
+  training.learning_rate = 0.05;
+  training.final_learning_rate = 0.01;
+  training.learning_rate_schedule = "cosine";
+  EXPECT_DOUBLE_EQ(LearningRateAfter(training, 0), 0.05);
+  EXPECT_DOUBLE_EQ(LearningRateAfter(training, 5), 0.03);
+  EXPECT_GT(LearningRateAfter(training, 1), 0.048) << "slowly at first";
+  EXPECT_DOUBLE_EQ(LearningRateAfter(training, 10), 0.01);
+  training.learning_rate_schedule = "one_cycle";
+  EXPECT_DOUBLE_EQ(LearningRateAfter(training, 0), 0.002);
+  EXPECT_DOUBLE_EQ(LearningRateAfter(training, 1.5), 0.026);
+  EXPECT_DOUBLE_EQ(LearningRateAfter(training, 3), 0.05);
+  EXPECT_DOUBLE_EQ(LearningRateAfter(training, 6.5), 0.03);
+  EXPECT_DOUBLE_EQ(LearningRateAfter(training, 10), 0.01);
+}
+
 TEST(Schedule, UntrainedWeightsAreNotPlayedWith) {
   EXPECT_EQ(VersionToPlay(0, FirstWeights::kUntrained), 0u);
   EXPECT_EQ(VersionToPlay(0, FirstWeights::kGiven), 1u);

@@ -1,5 +1,6 @@
 #include "common/model/network_description.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -9,6 +10,8 @@
 
 namespace powderkeg {
 namespace {
+
+using testing::HasSubstr;
 
 TEST(NetworkDescription, PaperNetworkHasTheParametersOfThePaper) {
   EXPECT_EQ(ParameterCount(PaperNetwork()), 344'425);
@@ -20,6 +23,40 @@ TEST(NetworkDescription, NamedNetworksAreValid) {
   EXPECT_EQ(NetworkByName("paper"), PaperNetwork());
   EXPECT_EQ(NetworkByName("small"), SmallNetwork());
   EXPECT_THROW((void)NetworkByName("large"), Error);
+}
+
+TEST(NetworkDescription, TextsSayWhatTheNamedNetworksAre) {
+  EXPECT_EQ(NetworkByName("stem16+residual16x2+value4-64+policy4+own64+others64"), SmallNetwork());
+  EXPECT_EQ(NetworkByName("stem16+residual16+residual16"), SmallNetwork())
+      << "the rest as in small";
+  EXPECT_EQ(NetworkByName("stem64+inverted256-64x2+inverted512-128-2+inverted512-128+value1-256"
+                          "+policy16"),
+            PaperNetwork())
+      << "no heads of cells on a smaller board";
+  EXPECT_EQ(NetworkByName("stem32+residual32+own0").own_hidden, 0);
+  EXPECT_EQ(NetworkByName("stem32-2").stem_stride, 2);
+}
+
+TEST(NetworkDescription, TextsThatSayNoNetworkAreErrorsWithThePart) {
+  const auto error = [](const char* text) -> std::string {
+    try {
+      (void)NetworkByName(text);
+    } catch (const Error& refused) {
+      return refused.what();
+    }
+    return "none";
+  };
+  EXPECT_THAT(error("stem32+residul32"), HasSubstr("\"residul32\""));
+  EXPECT_THAT(error("stem32+residual"), HasSubstr("residualCHANNELS"));
+  EXPECT_THAT(error("stem32+inverted32"), HasSubstr("invertedEXPANDED-CHANNELS"));
+  EXPECT_THAT(error("stem32x2"), HasSubstr("stemCHANNELS"));
+  EXPECT_THAT(error("stem32+residual32x0"), HasSubstr("times"));
+  EXPECT_THAT(error("stem32+residual32x"), HasSubstr("whole numbers"));
+  EXPECT_THAT(error("stem32+residual3a2"), HasSubstr("whole numbers"));
+  EXPECT_THAT(error("stem32++policy4"), HasSubstr("\"\""));
+  EXPECT_THAT(error("stem99999999999"), HasSubstr("whole numbers"));
+  EXPECT_THAT(error("stem0"), HasSubstr("stem_channels is 0"));
+  EXPECT_THAT(error("stem32-2+own64"), HasSubstr("own_hidden with a stride"));
 }
 
 TEST(NetworkDescription, ArrayNamesAreUnique) {
