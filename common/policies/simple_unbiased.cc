@@ -24,6 +24,21 @@ std::uint32_t ColumnBits(int first, int last) {
   return first > last ? 0 : (kRowBits >> (kBoardSize - 1 - last)) & ~((1u << first) - 1);
 }
 
+// Per cell those near enough for their items to be collected.
+constexpr auto kItemWindows = [] {
+  std::array<BitBoard, kCellCount> windows;
+  for (Cell center = 0; center < kCellCount; ++center) {
+    for (Cell cell = 0; cell < kCellCount; ++cell) {
+      const int rows = RowOf(cell) - RowOf(center);
+      const int columns = ColumnOf(cell) - ColumnOf(center);
+      if (std::max(rows, -rows) <= kItemDistance && std::max(columns, -columns) <= kItemDistance) {
+        windows[center].Add(cell);
+      }
+    }
+  }
+  return windows;
+}();
+
 // One decision: what the rules read of the view, worked out once.
 class Turn {
  public:
@@ -41,7 +56,7 @@ class Turn {
   // The first move of the search's path from the own cell to `target`; kNone if there is none.
   [[nodiscard]] Direction StepTowards(Cell target) const;
   [[nodiscard]] Direction FirstMove(BitBoard neighbours) const;
-  // Whether the move leads to a walkable cell outside `danger`.
+  // Whether the move leads to a walkable cell outside `danger`. The own cell is never walkable.
   [[nodiscard]] bool CanStep(Direction direction, BitBoard danger) const;
 
   // Rule 1; kNone to go on with rule 3.
@@ -54,7 +69,6 @@ class Turn {
   // Rule 3; kNone to go on with rule 4.
   [[nodiscard]] Direction CollectItem() const;
   [[nodiscard]] Direction FirstSafeStep(BitBoard targets) const;
-  [[nodiscard]] BitBoard ItemsNearby() const;
   // Rule 4; kNone to stop.
   [[nodiscard]] Direction Wander(const PolicyMemory& memory, Rng& rng) const;
 
@@ -127,15 +141,14 @@ Direction Turn::StepTowards(Cell target) const {
 }
 
 Direction Turn::FirstMove(BitBoard neighbours) const {
-  const BitBoard self = BitBoard::Of(self_.cell);
   for (const Direction direction : kSearchOrder) {
-    if ((self.Shifted(direction) & neighbours).Any()) return direction;
+    if (neighbours.Has(NeighbourOrSelf(self_.cell, direction))) return direction;
   }
   return Direction::kNone;
 }
 
 bool Turn::CanStep(Direction direction, BitBoard danger) const {
-  return (BitBoard::Of(self_.cell).Shifted(direction) & walkable_ & ~danger).Any();
+  return (walkable_ & ~danger).Has(NeighbourOrSelf(self_.cell, direction));
 }
 
 Action Turn::Choose(const PolicyMemory& memory, Rng& rng) const {
@@ -165,10 +178,12 @@ std::uint32_t Turn::ScannedColumns() const {
 Direction Turn::Flee() const {
   const std::uint32_t scanned = ScannedColumns();
   if (scanned == 0) return Direction::kNone;
+  const BitBoard refuges = (walkable_ | agents_) & ~(exploding_ | BitBoard::Of(self_.cell));
   for (const int row : traits_.row_order) {
     if (row < row_ - danger_ || row >= row_ + danger_) continue;
     const int width = danger_ - (row < row_ ? row_ - row : row - row_);
-    const std::uint32_t columns = scanned & ColumnBits(column_ - width, column_ + width);
+    const std::uint32_t columns =
+        scanned & refuges.ColumnsOf(row) & ColumnBits(column_ - width, column_ + width);
     if (columns == 0) continue;
     const Direction direction = StepToRefuge(row, columns);
     if (direction == Direction::kNone) continue;
@@ -177,13 +192,11 @@ Direction Turn::Flee() const {
   return Direction::kNone;
 }
 
-// The step towards the first safe and reachable of these cells, in the order of the scan.
+// The step towards the first reachable of these cells, in the order of the scan.
 Direction Turn::StepToRefuge(int row, std::uint32_t columns) const {
-  const BitBoard refuges = (walkable_ | agents_) & ~exploding_;
   for (const int column : traits_.column_order) {
-    const Cell cell = CellAt(row, column);
-    if ((columns >> column & 1) == 0 || !refuges.Has(cell) || cell == self_.cell) continue;
-    const Direction direction = StepTowards(cell);
+    if ((columns >> column & 1) == 0) continue;
+    const Direction direction = StepTowards(CellAt(row, column));
     if (direction != Direction::kNone) return direction;
   }
   return Direction::kNone;
@@ -223,23 +236,8 @@ Direction Turn::Approach() const {
   return Direction::kNone;
 }
 
-BitBoard Turn::ItemsNearby() const {
-  BitBoard items = view_.state.Items() & walkable_;
-  if (items.Empty()) return items;
-  const int first = std::max(row_ - kItemDistance, 0);
-  const int last = std::min(row_ + kItemDistance, kBoardSize - 1);
-  BitBoard window;
-  for (int row = first; row <= last; ++row) window |= BitBoard::Row(row);
-  BitBoard columns;
-  for (int column = std::max(column_ - kItemDistance, 0);
-       column <= std::min(column_ + kItemDistance, kBoardSize - 1); ++column) {
-    columns |= BitBoard::Column(column);
-  }
-  return items & window & columns;
-}
-
 Direction Turn::CollectItem() const {
-  BitBoard items = ItemsNearby();
+  BitBoard items = view_.state.Items() & walkable_ & kItemWindows[self_.cell];
   if (items.Empty()) return Direction::kNone;
   BitBoard open = walkable_;
   BitBoard frontier = BitBoard::Of(self_.cell).Neighbours() & open;
@@ -260,9 +258,10 @@ Direction Turn::CollectItem() const {
 // The step towards the first of the targets, in the order of the scan, to which a safe step leads.
 Direction Turn::FirstSafeStep(BitBoard targets) const {
   for (const int row : traits_.row_order) {
-    if ((targets & BitBoard::Row(row)).Empty()) continue;
+    const std::uint32_t columns = targets.ColumnsOf(row);
+    if (columns == 0) continue;
     for (const int column : traits_.column_order) {
-      if (!targets.Has(CellAt(row, column))) continue;
+      if ((columns >> column & 1) == 0) continue;
       const Direction direction = StepTowards(CellAt(row, column));
       if (CanStep(direction, exploding_)) return direction;
     }

@@ -46,6 +46,10 @@ class BitBoard {
   constexpr void Remove(Cell cell) {
     (cell < 64 ? low_ : high_) &= ~(std::uint64_t{1} << (cell & 63));
   }
+  // The cells of a row, bit `column` each.
+  [[nodiscard]] constexpr std::uint32_t ColumnsOf(int row) const {
+    return static_cast<std::uint32_t>(bits() >> CellAt(row, 0)) & ((1U << kBoardSize) - 1);
+  }
   [[nodiscard]] constexpr bool Empty() const { return (low_ | high_) == 0; }
   [[nodiscard]] constexpr bool Any() const { return (low_ | high_) != 0; }
   [[nodiscard]] constexpr int Count() const { return std::popcount(low_) + std::popcount(high_); }
