@@ -59,10 +59,6 @@ std::size_t FieldSize(int side, int channels) {
 
 std::size_t PairsSize(int side, int channels) { return FieldSize(side, channels); }
 
-std::size_t PackedSize(const DenseShape& shape) {
-  return static_cast<std::size_t>(Taps(shape.kernel) * shape.inputs * shape.outputs);
-}
-
 DenseShape Backwards(const DenseShape& shape) {
   return {shape.kernel, shape.side, shape.outputs, shape.inputs};
 }

@@ -22,7 +22,7 @@ struct DenseShape {
   int outputs = 0;
 };
 
-// One tap at a time of a 3x3 convolution of each channel by itself.
+// Of a 3x3 convolution of each channel by itself.
 struct DepthwiseShape {
   int side = 0;    // of what is read
   int stride = 1;  // 1 or 2
@@ -49,7 +49,6 @@ struct Affine {
 // Weights in the order that Convolve reads, from [output][input][row][column]; `inputs` beyond
 // `given_inputs` are 0. The second for the gradient of the input: Convolve by it takes that of the
 // output (Backwards(shape)).
-[[nodiscard]] std::size_t PackedSize(const DenseShape& shape);
 [[nodiscard]] DenseShape Backwards(const DenseShape& shape);
 void PackForwards(const DenseShape& shape, int given_inputs, const float* weights, Bf16* packed);
 void PackBackwards(const DenseShape& shape, const float* weights, Bf16* packed);
