@@ -29,12 +29,12 @@ struct Part {
 
 std::vector<std::string_view> Split(std::string_view text, char separator) {
   std::vector<std::string_view> pieces;
-  for (std::size_t end = 0; end != std::string_view::npos; text.remove_prefix(end + 1)) {
-    end = text.find(separator);
+  while (true) {
+    const std::size_t end = text.find(separator);
     pieces.push_back(text.substr(0, end));
-    if (end == std::string_view::npos) break;
+    if (end == std::string_view::npos) return pieces;
+    text.remove_prefix(end + 1);
   }
-  return pieces;
 }
 
 int NumberOf(std::string_view part, std::string_view digits) {

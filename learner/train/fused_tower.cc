@@ -159,12 +159,12 @@ struct Layer {
         parameters(layer_shape),
         gradients(layer_shape),
         norm(static_cast<std::size_t>(layer_shape.outputs)) {
-    Aligned<float>* const by_channel[] = {&taps, &turned_taps};
-    Aligned<Bf16>* const dense[] = {&forwards, &backwards};
     if (shape.depthwise) {
-      for (Aligned<float>* array : by_channel) array->Grow(shape.weight_count());
+      taps.Grow(shape.weight_count());
+      turned_taps.Grow(shape.weight_count());
     } else {
-      for (Aligned<Bf16>* array : dense) array->Grow(shape.weight_count());
+      forwards.Grow(shape.weight_count());
+      backwards.Grow(shape.weight_count());
     }
   }
 
@@ -263,7 +263,10 @@ class FusedTower::Implementation {
       part += own.size();
       Join(layer, own);
       PackWeights(layer, /*first=*/i == 0);
-      OverBatch([&](Worker& worker, int position) { ForwardOne(i, worker, position); });
+      OverBatch([&](Worker& worker, int position) {
+        const Bf16* const value = ForwardOne(i, worker, position);
+        if (i + 1 == layers_.size()) ReadMarked(value, position);
+      });
       SetNorm(layer, own);
     }
     CHECK(part == parameters.size());
@@ -378,7 +381,8 @@ class FusedTower::Implementation {
            tower::FieldSize(kBoardSize, kStemInputs) * static_cast<std::size_t>(position);
   }
 
-  void ForwardOne(std::size_t index, Worker& worker, int position) {
+  // Returns what it read.
+  const Bf16* ForwardOne(std::size_t index, Worker& worker, int position) {
     Layer& layer = layers_[index];
     const LayerShape& shape = layer.shape;
     const Bf16* const field =
@@ -391,6 +395,7 @@ class FusedTower::Implementation {
     tower::StoreRaw(shape.cells_out(), shape.outputs, worker.result.data(),
                     layer.In(layer.raw, position), worker.first_sums.data(),
                     worker.second_sums.data());
+    return field;
   }
 
   // The value of a layer, in a field of the worker. `stored`: it was made before.
@@ -452,13 +457,17 @@ class FusedTower::Implementation {
                     PartOf(value_.data(), 0, position));
     tower::PlanesOf(side, heads.outputs, field, heads.parts[0], heads.parts[1],
                     PartOf(policy_.data(), 1, position));
+  }
+
+  // `tower`: the field of its value.
+  void ReadMarked(const Bf16* tower, int position) {
     if (!marked_) return;
-    const Bf16* const tower = ValueOf(layers_.size() - 2, worker, position, /*stored=*/true);
+    const LayerShape& heads = layers_.back().shape;
     for (int agent = 0; agent < kAgentCount; ++agent) {
       float* const to = MarkedOf(cells_.data(), position, agent);
       std::fill_n(to, heads.inputs, 0.0F);
       if (const std::optional<int> cell = MarkedCell(position, agent)) {
-        tower::AddCell(side, heads.inputs, tower, *cell, to);
+        tower::AddCell(heads.side, heads.inputs, tower, *cell, to);
       }
     }
   }

@@ -39,7 +39,7 @@ struct HeadArrays {
   // [positions][4][channel], what the tower has of the cells of viewer, viewer + 1, + 2, + 3
   // (planes.h); 0 of who is not marked. Null where the network has neither head that asks for it.
   Float* marked;
-  int channels;
+  int channels;  // of `marked`
 };
 
 // Runs the function once for each of 0 to count - 1, side by side or not.

@@ -91,7 +91,7 @@ bool CanRun() {
                              apply_to = function)
 #else
 #pragma GCC push_options
-#pragma GCC target("avx512f,avx512bw,avx512vl,avx512bf16,fma")
+#pragma GCC target("avx512f,avx512bw,avx512vl,avx512bf16")
 #endif
 
 namespace {
@@ -396,12 +396,10 @@ void PairGradient(const DenseShape& shape, const Bf16* field, std::uint32_t* pai
 void AddWeightGradient(const DenseShape& shape, const std::uint32_t* inputs,
                        const std::uint32_t* outputs, float* gradient) {
   const bool two = BlockOf(shape) == 2 * kLanes;
-  if (two && shape.inputs % 8 == 0) {
-    return AddWeightGradientIn<8, 2>(shape, inputs, outputs, gradient);
-  }
+  if (two) return AddWeightGradientIn<8, 2>(shape, inputs, outputs, gradient);
   if (shape.inputs % 16 == 0) return AddWeightGradientIn<16, 1>(shape, inputs, outputs, gradient);
-  if (shape.inputs % 24 == 0) return AddWeightGradientIn<24, 1>(shape, inputs, outputs, gradient);
-  return AddWeightGradientIn<2, 1>(shape, inputs, outputs, gradient);
+  DCHECK(shape.inputs % 24 == 0);
+  AddWeightGradientIn<24, 1>(shape, inputs, outputs, gradient);
 }
 
 void AddWeightGradient(const DepthwiseShape& shape, const Bf16* field, const Bf16* output_gradient,
@@ -456,11 +454,6 @@ struct Group {
   static Group Zero() {
     Group group;
     for (__m512& lane : group.lanes) lane = _mm512_setzero_ps();
-    return group;
-  }
-  static Group Of(const float* values) {
-    Group group;
-    for (int i = 0; i < kVectors; ++i) group.lanes[i] = _mm512_loadu_ps(values + i * kLanes);
     return group;
   }
   void AddTo(double* sums) const {

@@ -5,7 +5,7 @@
 //
 // A field is what a convolution reads: bf16 [side + 2][side + 2][channels] with a ring of zeros,
 // and one more cell of zeros behind it. All other arrays are [cell][channel]. Channels are
-// multiples of 16 (inputs of dense convolutions: of 2). Sums over cells are added to doubles.
+// multiples of 16 (inputs of dense convolutions: or of 24). Sums over cells are added to doubles.
 
 #include <cstddef>
 #include <cstdint>

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <type_traits>
 #include <utility>
 
 #include "common/base/check.h"
 #include "common/base/log.h"
-#include "common/model/planes.h"
 #include "common/torch/snapshot_conversion.h"
 #include "common/torch/torch_evaluator.h"
 #include "common/torch/torch_headers.h"
