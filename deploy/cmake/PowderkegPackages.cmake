@@ -4,6 +4,10 @@
 include(GNUInstallDirs)
 
 set(home lib/powderkeg)
+if(TORCH_INSTALL_PREFIX AND NOT TORCH_INSTALL_PREFIX STREQUAL "/usr" AND TARGET learner)
+  # One that is not the system's is found where it was.
+  set_target_properties(learner PROPERTIES INSTALL_RPATH ${TORCH_INSTALL_PREFIX}/lib)
+endif()
 set(powderkeg_learner_programs learner keys)
 set(powderkeg_actor_programs actor)
 set(powderkeg_tools_programs arena agent_server view replay check_run conformance)
@@ -13,8 +17,6 @@ foreach(component learner actor tools)
       set(link ${CMAKE_BINARY_DIR}/links/powderkeg-${program})
       file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/links)
       file(CREATE_LINK ../${home}/bin/${program} ${link} SYMBOLIC)
-      # A LibTorch that is not the system's is found where it was.
-      set_target_properties(${program} PROPERTIES INSTALL_RPATH_USE_LINK_PATH ON)
       install(TARGETS ${program} RUNTIME DESTINATION ${home}/bin COMPONENT ${component})
       install(FILES ${link} DESTINATION bin COMPONENT ${component})
     endif()
