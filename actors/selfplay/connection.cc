@@ -22,7 +22,8 @@ constexpr bool kOnlyActorsSay = std::is_same_v<Message, Hello> || std::is_same_v
                                 std::is_same_v<Message, WeightsRequest>;
 template <typename Message>
 constexpr bool kAboutWeights =
-    std::is_same_v<Message, WeightsOffer> || std::is_same_v<Message, WeightsChunk>;
+    std::is_same_v<Message, WeightsOffer> || std::is_same_v<Message, WeightsChunk> ||
+    std::is_same_v<Message, WeightsReceipt>;
 
 }  // namespace
 

@@ -85,9 +85,12 @@ std::optional<WeightsFetcher::Download> WeightsFetcher::NextDownload() {
   return Download{.offer = {.version = *wanted_.begin()}};
 }
 
-void WeightsFetcher::Handle(const WeightsChunk& chunk) {
+void WeightsFetcher::Handle(const WeightsReceipt& receipt) {
   asked_at_.reset();
-  receipt_ = chunk.receipt;
+  receipt_ = receipt.receipt;
+}
+
+void WeightsFetcher::Handle(const WeightsChunk& chunk) {
   if (!download_ || chunk.offer.version != download_->offer.version ||
       chunk.offset_bytes != download_->bytes.size()) {
     return;  // of a download that was given up

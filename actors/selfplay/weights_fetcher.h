@@ -51,6 +51,7 @@ class WeightsFetcher {
   void ServeRun(const std::string& run_id);
   void Handle(const WeightsOffer& offer);
   void Handle(const WeightsChunk& chunk);
+  void Handle(const WeightsReceipt& receipt);
   // What is to be sent: nothing while an answer is on its way.
   [[nodiscard]] std::optional<WeightsRequest> NextRequest(Clock::time_point now);
   // Since when an answer is on its way; nullopt: none is.

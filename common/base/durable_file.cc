@@ -143,7 +143,7 @@ std::vector<fs::path> FilesIn(const fs::path& folder) {
     paths.push_back(entry->path());
   }
   if (error) Fail("list", folder, error.value());
-  std::ranges::sort(paths);
+  std::ranges::sort(paths, {}, [](const fs::path& path) -> const auto& { return path.native(); });
   return paths;
 }
 

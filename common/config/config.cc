@@ -116,6 +116,9 @@ RunConfig ParseConfig(std::string_view text, const std::string& place,
   }
   FillPlayers(config.self_play);
   (void)ResolvePlayers(config.self_play);
+  if (config.training.sequential && config.training.continuous) {
+    throw Error("training.sequential and training.continuous are both true; expected at most one");
+  }
   return config;
 }
 

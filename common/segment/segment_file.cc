@@ -257,9 +257,12 @@ SegmentDamage ReadSegment(const fs::path& path, const std::function<void(GameRec
 }
 
 std::optional<std::vector<std::uint64_t>> ReadTickets(const fs::path& path) {
-  const auto bytes = IndexBytes(ReadFileEnd(path, kIndexEndBytes));
+  constexpr std::size_t kUsualIndexBytes = 4096;
+  std::vector<std::uint8_t> end = ReadFileEnd(path, kUsualIndexBytes);
+  const auto bytes = IndexBytes(end);
   if (!bytes) return std::nullopt;
-  auto index = IndexAtEnd(ReadFileEnd(path, *bytes));
+  if (*bytes > end.size()) end = ReadFileEnd(path, *bytes);
+  auto index = IndexAtEnd(end);
   return index ? std::optional(std::move(index->tickets)) : std::nullopt;
 }
 

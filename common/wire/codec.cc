@@ -120,7 +120,10 @@ void Write(const WeightsChunk& chunk, proto::Envelope& envelope) {
   Write(chunk.offer, *message.mutable_offer());
   message.set_offset_bytes(chunk.offset_bytes);
   message.set_data(chunk.data);
-  message.set_receipt(chunk.receipt);
+}
+
+void Write(const WeightsReceipt& receipt, proto::Envelope& envelope) {
+  envelope.mutable_weights_receipt()->set_receipt(receipt.receipt);
 }
 
 void Write(const Heartbeat& heartbeat, proto::Envelope& envelope) {
@@ -269,8 +272,7 @@ Decoded<WireMessage> Read(const proto::WeightsRequest& message) {
 Decoded<WireMessage> Read(proto::WeightsChunk& message) {
   WeightsChunk chunk{.offer = {},
                      .offset_bytes = message.offset_bytes(),
-                     .data = std::move(*message.mutable_data()),
-                     .receipt = message.receipt()};
+                     .data = std::move(*message.mutable_data())};
   if (auto fault = ReadOffer(message.offer(), chunk.offer)) return *std::move(fault);
   const std::uint64_t size = chunk.offer.size_bytes;
   const std::size_t bytes = chunk.data.size();
@@ -278,6 +280,10 @@ Decoded<WireMessage> Read(proto::WeightsChunk& message) {
                     (bytes == 0 || chunk.offset_bytes <= size - bytes);
   if (!fits || (bytes == 0) != (size == 0)) return OutOfRange("size of a chunk");
   return chunk;
+}
+
+Decoded<WireMessage> Read(const proto::WeightsReceipt& message) {
+  return WeightsReceipt{.receipt = message.receipt()};
 }
 
 Decoded<WireMessage> Read(const proto::Heartbeat& message) {
@@ -324,6 +330,7 @@ Decoded<WireMessage> Decode(std::string_view bytes) {
     case proto::Envelope::kWeightsOffer: return Read(envelope.weights_offer());
     case proto::Envelope::kWeightsRequest: return Read(envelope.weights_request());
     case proto::Envelope::kWeightsChunk: return Read(*envelope.mutable_weights_chunk());
+    case proto::Envelope::kWeightsReceipt: return Read(envelope.weights_receipt());
     case proto::Envelope::kHeartbeat: return Read(envelope.heartbeat());
     case proto::Envelope::kGoodbye: return Read(envelope.goodbye());
     case proto::Envelope::MESSAGE_NOT_SET: break;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <fstream>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -29,6 +30,18 @@ std::optional<std::uint64_t> BytesReceived(int socket) {
       offsetof(tcp_info, tcpi_bytes_received) + sizeof info.tcpi_bytes_received;
   if (getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 || size < kEnd) return {};
   return info.tcpi_bytes_received;
+}
+
+// A look at a connection takes about two microseconds.
+constexpr std::chrono::microseconds kWhileGrowing{50};
+constexpr std::chrono::microseconds kElse{400};
+constexpr std::uint64_t kGrowth = 16 << 20;
+
+// Of the process in memory; 0 if the system does not say.
+std::uint64_t ResidentBytes() {
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages >> pages;
+  return pages * 4096;
 }
 
 }  // namespace
@@ -76,6 +89,22 @@ void ConnectionWatch::Cut(int socket) {
 }
 
 std::size_t ConnectionWatch::CutExcess() {
+  return (IsTimeToLook() ? CutUnfinished() : 0) + CutSurplus();
+}
+
+// What does not end takes memory.
+bool ConnectionWatch::IsTimeToLook() {
+  const Clock::time_point now = Clock::now();
+  if (now < last_look_ + kWhileGrowing * connections_.size()) return false;
+  const std::uint64_t resident = ResidentBytes();
+  const bool grows = resident == 0 || resident > resident_ + kGrowth;
+  if (!grows && now < last_look_ + kElse * connections_.size()) return false;
+  last_look_ = now;
+  resident_ = resident;
+  return true;
+}
+
+std::size_t ConnectionWatch::CutUnfinished() {
   std::size_t cut = 0;
   std::uint64_t unfinished = 0;
   for (auto next = connections_.begin(); next != connections_.end();) {
@@ -96,7 +125,7 @@ std::size_t ConnectionWatch::CutExcess() {
         })->first);
     ++cut;
   }
-  return cut + CutSurplus();
+  return cut;
 }
 
 // The oldest stranger goes first: whoever has just come needs a moment to say something.

@@ -7,10 +7,11 @@
 //   KEYS/actors/NAME.secret    the actor's own
 //   KEYS/actors/NAME.public    the learner lets in whom it has this file of
 
+#include <chrono>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
-#include <string_view>
 
 namespace powderkeg {
 
@@ -38,10 +39,25 @@ void WriteKeyPair(const CurveKeyPair& pair, const std::filesystem::path& file);
 [[nodiscard]] ClientKeys ReadClientKeys(const std::filesystem::path& folder,
                                         const std::string& name);
 
-// NAME of the file KEYS/actors/NAME.public that holds this key; nullopt: there is none. Looks anew
-// each time: actors can be added and removed while the learner runs. What is no file or holds no
-// key is passed over.
-[[nodiscard]] std::optional<std::string> ActorOfKey(const std::filesystem::path& folder,
-                                                    std::string_view public_key);
+// Whose a key is. Actors can be added and removed while the learner runs: what was found is looked
+// at again each time, and for a key that is not known the whole folder is read anew, which takes at
+// most a tenth of the time however often it is asked. One thread.
+class KeyFolder {
+ public:
+  // A folder as above.
+  explicit KeyFolder(const std::filesystem::path& folder) : actors_(folder / "actors") {}
+
+  // NAME of the file actors/NAME.public that holds this key; nullopt: there is none. What is no
+  // file or holds no key is passed over.
+  [[nodiscard]] std::optional<std::string> ActorOf(const std::string& public_key);
+
+ private:
+  void Read();
+  [[nodiscard]] std::optional<std::string> Known(const std::string& public_key) const;
+
+  const std::filesystem::path actors_;
+  std::map<std::string, std::string> names_;  // by public key, when the folder was read
+  std::chrono::steady_clock::time_point next_read_;
+};
 
 }  // namespace powderkeg

@@ -15,7 +15,7 @@
 
 namespace powderkeg {
 
-inline constexpr std::uint32_t kProtocolVersion = 2;
+inline constexpr std::uint32_t kProtocolVersion = 3;
 
 // Limits that both sides hold, and enforce on the other.
 inline constexpr std::size_t kMaxRecordBytes = std::size_t{1} << 20;
@@ -112,9 +112,14 @@ struct WeightsChunk {
   WeightsOffer offer{};
   std::uint64_t offset_bytes = 0;
   std::string data{};
-  std::uint64_t receipt = 0;
 
   friend bool operator==(const WeightsChunk&, const WeightsChunk&) = default;
+};
+
+struct WeightsReceipt {
+  std::uint64_t receipt = 0;
+
+  friend bool operator==(const WeightsReceipt&, const WeightsReceipt&) = default;
 };
 
 // An actor's counters since it started; empty from the learner.
@@ -144,6 +149,6 @@ struct Goodbye {
 };
 
 using WireMessage = std::variant<Hello, Welcome, Refused, Games, Ack, WeightsOffer, WeightsRequest,
-                                 WeightsChunk, Heartbeat, Goodbye>;
+                                 WeightsChunk, WeightsReceipt, Heartbeat, Goodbye>;
 
 }  // namespace powderkeg

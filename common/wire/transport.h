@@ -49,6 +49,8 @@ class ServerChannel {
 
   // Does not wait. False: the peer is gone or does not read; nothing was sent.
   virtual bool Send(const PeerId& peer, const std::string& bytes) = 0;
+  // The same, of bytes that go to many: they are kept, not copied.
+  virtual bool SendShared(const PeerId& peer, const std::shared_ptr<const std::string>& bytes) = 0;
   // As ClientChannel::Receive, but may give up sooner.
   virtual std::optional<Incoming> Receive(std::chrono::milliseconds timeout,
                                           const Waker& waker) = 0;

@@ -74,17 +74,33 @@ ClientKeys ReadClientKeys(const std::filesystem::path& folder, const std::string
                   .secret_key = ReadKey(folder / "actors" / (name + ".secret"))}};
 }
 
-std::optional<std::string> ActorOfKey(const std::filesystem::path& folder,
-                                      std::string_view public_key) {
+std::optional<std::string> KeyFolder::ActorOf(const std::string& public_key) {
   const ReservedDescriptors reserved;
+  const auto begin = std::chrono::steady_clock::now();
+  auto name = Known(public_key);
+  if (name || begin < next_read_) return name;
+  Read();
+  const auto end = std::chrono::steady_clock::now();
+  next_read_ = end + 9 * (end - begin);
+  return Known(public_key);
+}
+
+void KeyFolder::Read() {
+  names_.clear();
   std::error_code error;
-  for (const auto& file : std::filesystem::directory_iterator(folder / "actors", error)) {
-    if (file.path().extension() == ".public" && file.is_regular_file(error) &&
-        KeyIn(file.path()) == public_key) {
-      return file.path().stem().string();
-    }
+  for (const auto& file : std::filesystem::directory_iterator(actors_, error)) {
+    if (file.path().extension() != ".public" || !file.is_regular_file(error)) continue;
+    if (const auto key = KeyIn(file.path())) names_.emplace(*key, file.path().stem().string());
   }
-  return std::nullopt;
+}
+
+std::optional<std::string> KeyFolder::Known(const std::string& public_key) const {
+  const auto found = names_.find(public_key);
+  if (found == names_.end()) return std::nullopt;
+  const std::filesystem::path file = actors_ / (found->second + ".public");
+  std::error_code error;
+  const bool there = std::filesystem::is_regular_file(file, error) && KeyIn(file) == public_key;
+  return there ? std::optional(found->second) : std::nullopt;
 }
 
 }  // namespace powderkeg

@@ -36,6 +36,7 @@ constexpr int kLingerMs = 1000;
 // for one that does not read.
 constexpr int kHighWaterMark = 256;
 constexpr int kHandshakeMs = 10'000;
+constexpr int kBacklog = 4096;  // connections that wait to be accepted
 // A peer that vanished, or does not read, is given up by TCP after so long: that frees what its
 // connection holds. Heartbeats of ZeroMQ itself must stay off: where they meet a connection that is
 // stopped because its peer sends too much, libzmq 4.3 aborts (its issue 4364).
@@ -97,13 +98,20 @@ bool WaitForMessage(zmq::socket_t& socket, milliseconds timeout, const Waker& wa
   return (items[0].revents & ZMQ_POLLIN) != 0;
 }
 
+// Shares the bytes, which ZeroMQ only reads.
+zmq::message_t MessageOf(const std::shared_ptr<const std::string>& bytes) {
+  using Kept = std::shared_ptr<const std::string>;
+  const auto release = [](void* /*data*/, void* kept) { delete static_cast<Kept*>(kept); };
+  return {const_cast<char*>(bytes->data()), bytes->size(), release, new Kept(bytes)};
+}
+
 // Does not wait. False: no room, no connection, or the peer is gone. A signal does not count: half
 // a message would put the socket out of step.
-bool SendFrame(zmq::socket_t& socket, const std::string& bytes,
+bool SendFrame(zmq::socket_t& socket, zmq::message_t message,
                zmq::send_flags flags = zmq::send_flags::none) {
   for (;;) {
     try {
-      return socket.send(zmq::buffer(bytes), flags | zmq::send_flags::dontwait).has_value();
+      return socket.send(message, flags | zmq::send_flags::dontwait).has_value();
     } catch (const zmq::error_t& error) {
       if (error.num() == EHOSTUNREACH) return false;
       if (error.num() != EINTR) throw Error(StrCat("cannot send: ", error.what()));
@@ -153,8 +161,8 @@ std::optional<MonitorEvent> NextEvent(zmq::socket_t& monitor) {
 // The zeromq authentication protocol (ZeroMQ RFC 27): lets in whoever has a key in the folder.
 class KeyChecker {
  public:
-  KeyChecker(zmq::context_t& context, std::filesystem::path keys)
-      : context_(context), keys_(std::move(keys)), socket_(context, zmq::socket_type::rep) {
+  KeyChecker(zmq::context_t& context, const std::filesystem::path& keys)
+      : context_(context), keys_(keys), socket_(context, zmq::socket_type::rep) {
     socket_.bind(kZapEndpoint);
     thread_ = std::jthread([this] { Run(); });
   }
@@ -187,7 +195,7 @@ class KeyChecker {
         request[6].size() == kKeyBytes) {
       std::array<char, kKeyCharacters + 1> key{};
       zmq_z85_encode(key.data(), request[6].data<std::uint8_t>(), kKeyBytes);
-      actor = ActorOfKey(keys_, key.data());
+      actor = keys_.ActorOf(key.data());
     }
     if (!actor && request.size() > 3 && log_budget_.Spend()) {
       log::Warn("refused a key that is not in the folder", "address", request[3].to_string_view());
@@ -206,7 +214,7 @@ class KeyChecker {
   }
 
   zmq::context_t& context_;
-  std::filesystem::path keys_;
+  KeyFolder keys_;          // the thread's
   zmq::socket_t socket_;    // used by the thread alone once it runs
   log::Budget log_budget_;  // the thread's
   std::jthread thread_;
@@ -222,6 +230,7 @@ class ZmqServer final : public ServerChannel {
     SetCommonOptions(socket_);
     Monitor(socket_, ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED, monitor_);
     socket_.set(zmq::sockopt::router_mandatory, 1);
+    socket_.set(zmq::sockopt::backlog, kBacklog);
     if (settings.keys) UseKeys(*settings.keys);
     ExpectPort(settings.endpoint);
     ExpectNobodyListens(settings.endpoint);
@@ -239,13 +248,21 @@ class ZmqServer final : public ServerChannel {
   ZmqServer& operator=(const ZmqServer&) = delete;
 
   bool Send(const PeerId& peer, const std::string& bytes) override {
-    return SendFrame(socket_, peer, zmq::send_flags::sndmore) && SendFrame(socket_, bytes);
+    return SendFrame(socket_, zmq::message_t(peer), zmq::send_flags::sndmore) &&
+           SendFrame(socket_, zmq::message_t(bytes));
+  }
+
+  bool SendShared(const PeerId& peer, const std::shared_ptr<const std::string>& bytes) override {
+    return SendFrame(socket_, zmq::message_t(peer), zmq::send_flags::sndmore) &&
+           SendFrame(socket_, MessageOf(bytes));
   }
 
   std::optional<Incoming> Receive(milliseconds timeout, const Waker& waker) override {
     WatchConnections();
-    auto frames = WaitForMessage(socket_, std::min(timeout, kLook), waker) ? ReceiveFrames(socket_)
-                                                                           : std::nullopt;
+    auto frames = ReceiveFrames(socket_);  // where many wait, none of them is waited for
+    if (!frames && WaitForMessage(socket_, std::min(timeout, kLook), waker)) {
+      frames = ReceiveFrames(socket_);
+    }
     if (!frames || frames->empty()) {
       watch_.AllHeard();
       return std::nullopt;
@@ -271,22 +288,23 @@ class ZmqServer final : public ServerChannel {
 
  private:
   static constexpr milliseconds kLook{20};
+  static constexpr std::size_t kForFiles = 4096;  // descriptors, where there are so many
 
   // Nobody's message to a learner is longer than games. A frame of one byte takes 64 of memory; of
   // a message it takes 3, with keys 35.
   static ConnectionLimits LimitsFor(bool keys) {
     constexpr std::uint64_t kLongest = kMaxGamesBytes + (std::size_t{1} << 20);
-    return {.connections = DescriptorLimit() / 2,
-            .unfinished = kLongest,
-            .unfinished_in_all = (keys ? 16 : 1) * kLongest};
+    const std::size_t descriptors = DescriptorLimit();
+    return {
+        .connections = std::max(descriptors / 2, descriptors - std::min(descriptors, kForFiles)),
+        .unfinished = kLongest,
+        .unfinished_in_all = (keys ? 16 : 1) * kLongest};
   }
 
-  // Looks less often where there are many, so that it never takes much time.
   void WatchConnections() {
     const auto now = std::chrono::steady_clock::now();
     if (now < next_look_) return;
-    const auto many = std::chrono::microseconds(50) * watch_.size();
-    next_look_ = now + std::max<std::chrono::steady_clock::duration>(kLook, many);
+    next_look_ = now + kLook;
     while (const auto event = NextEvent(monitor_)) {
       if (event->number == ZMQ_EVENT_ACCEPTED) watch_.Opened(event->value);
       if (event->number == ZMQ_EVENT_DISCONNECTED) watch_.Closed(event->value);
@@ -369,7 +387,7 @@ class ZmqClient final : public ClientChannel {
 
   bool Send(const std::string& bytes) override {
     HearMonitor();
-    return SendFrame(socket_, bytes);
+    return SendFrame(socket_, zmq::message_t(bytes));
   }
 
   std::optional<std::string> Receive(milliseconds timeout, const Waker& waker) override {

@@ -1,7 +1,5 @@
 #include "learner/intake/peer_table.h"
 
-#include <algorithm>
-
 #include "common/base/check.h"
 
 namespace powderkeg {
@@ -9,6 +7,7 @@ namespace powderkeg {
 Session& PeerTable::Open(const PeerId& peer, const Hello& hello) {
   const SessionId id = ++last_;
   CHECK(by_peer_.emplace(peer, id).second);
+  CHECK(by_name_.emplace(hello.name, id).second);
   Session& session = sessions_[id];
   session.id = id;
   session.peer = peer;
@@ -21,6 +20,7 @@ Session& PeerTable::Open(const PeerId& peer, const Hello& hello) {
 void PeerTable::Close(SessionId id) {
   const auto session = sessions_.find(id);
   by_peer_.erase(session->second.peer);
+  by_name_.erase(session->second.hello.name);
   sessions_.erase(session);
 }
 
@@ -35,9 +35,8 @@ Session* PeerTable::FindPeer(const PeerId& peer) {
 }
 
 Session* PeerTable::FindName(const std::string& name) {
-  const auto session = std::ranges::find_if(
-      sessions_, [&](const auto& entry) { return entry.second.hello.name == name; });
-  return session == sessions_.end() ? nullptr : &session->second;
+  const auto id = by_name_.find(name);
+  return id == by_name_.end() ? nullptr : Find(id->second);
 }
 
 std::vector<SessionId> PeerTable::Ids() const {

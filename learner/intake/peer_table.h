@@ -5,8 +5,8 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "common/wire/messages.h"
@@ -21,7 +21,9 @@ struct Session {
 
   SessionId id = 0;
   PeerId peer;
-  Hello hello;  // without its tickets
+  Hello hello;                                      // without its tickets
+  std::chrono::milliseconds heartbeat_interval{0};  // as its Welcome said
+  std::chrono::milliseconds dead_after{0};
   Clock::time_point last_heard;
   Clock::time_point last_sent;
   Heartbeat heartbeat;         // its last one
@@ -35,7 +37,7 @@ struct Session {
 // thread.
 class PeerTable {
  public:
-  // Requires that the connection has no session.
+  // Requires that neither the connection nor the name has a session.
   Session& Open(const PeerId& peer, const Hello& hello);
   void Close(SessionId id);
 
@@ -44,14 +46,14 @@ class PeerTable {
   [[nodiscard]] Session* FindPeer(const PeerId& peer);
   [[nodiscard]] Session* FindName(const std::string& name);
 
-  // Ascending.
   [[nodiscard]] std::vector<SessionId> Ids() const;
-  [[nodiscard]] const std::map<SessionId, Session>& sessions() const { return sessions_; }
+  [[nodiscard]] const std::unordered_map<SessionId, Session>& sessions() const { return sessions_; }
   [[nodiscard]] std::size_t size() const { return sessions_.size(); }
 
  private:
-  std::map<SessionId, Session> sessions_;
-  std::map<PeerId, SessionId> by_peer_;
+  std::unordered_map<SessionId, Session> sessions_;
+  std::unordered_map<PeerId, SessionId> by_peer_;
+  std::unordered_map<std::string, SessionId> by_name_;
   SessionId last_ = 0;
 };
 

@@ -1,12 +1,13 @@
 #include "learner/intake/session_server.h"
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 #include <variant>
 
 #include "common/base/check.h"
+#include "common/base/digest.h"
 #include "common/base/log.h"
-#include "common/base/unique.h"
 #include "common/config/config.h"
 #include "common/wire/codec.h"
 
@@ -16,8 +17,15 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr int kMessagesPerRound = 256;    // received before verdicts are looked at again
+constexpr int kChunksPerRound = 16;       // of weights that are sent meanwhile
 constexpr std::size_t kAckEntries = 512;  // per message
 constexpr int kTicksPerHeartbeat = 10;
+constexpr std::size_t kSessionsPerHeartbeat = 1000;  // more have longer ones
+
+// How many times longer than with few sessions.
+int HeartbeatFactor(std::size_t sessions) {
+  return static_cast<int>(1 + sessions / kSessionsPerHeartbeat);
+}
 
 TicketSet Durable(std::span<const std::uint64_t> known, std::uint64_t first_open) {
   TicketSet tickets(first_open);
@@ -46,6 +54,7 @@ SessionServer::SessionServer(SessionServerSettings settings, std::unique_ptr<Ser
       office_(known, first_open),
       tickets_({.games_in_flight = settings_.self_play.games_in_flight,
                 .overdue_after = settings_.overdue_after,
+                .patient = !settings_.games_always_wanted,
                 .games_wanted = settings_.games_wanted},
                office_),
       weights_(settings_.load_weights, settings_.weights_kept),
@@ -98,13 +107,13 @@ void SessionServer::Stop(const Goodbye& goodbye) {
 // --- The io thread -------------------------------------------------------------------------------
 
 void SessionServer::RunIo(const std::stop_token& stop) {
-  const milliseconds tick = settings_.heartbeat / kTicksPerHeartbeat;
   while (!stop.stop_requested()) {
     ReceiveSome();
+    AnswerRequests();
     HandleVerdicts();
     if (weights_.Refresh()) SendToAll(*weights_.offer());
     const Clock::time_point now = Clock::now();
-    if (now - last_tick_ >= tick) Tick(now);
+    if (now - last_tick_ >= TickInterval()) Tick(now);
   }
   HandleVerdicts();
   TakeLeave();
@@ -127,6 +136,7 @@ void SessionServer::TakeLeave() {
     if (auto incoming = channel_->Receive(left, waker_)) Handle(*incoming);
   }
   for (const auto& [id, session] : peers_.sessions()) {
+    if (!log_budget_.Spend()) break;
     log::Warn("an actor does not answer Goodbye", "name", session.hello.name);
   }
 }
@@ -137,13 +147,14 @@ bool SessionServer::Full() const {
 }
 
 void SessionServer::ReceiveSome() {
-  const milliseconds tick = settings_.heartbeat / kTicksPerHeartbeat;
+  const milliseconds tick = TickInterval();
   if (Full()) {
     waker_.Wait(tick);
     return;
   }
   for (int i = 0; i < kMessagesPerRound && !Full(); ++i) {
-    auto incoming = channel_->Receive(i == 0 ? tick : milliseconds(0), waker_);
+    const bool idle = i == 0 && requests_.empty();
+    auto incoming = channel_->Receive(idle ? tick : milliseconds(0), waker_);
     if (!incoming) {
       caught_up_ = Clock::now();
       return;
@@ -178,7 +189,7 @@ void SessionServer::HandleFrom(Session& session, WireMessage& message) {
   } else if (const auto* heartbeat = std::get_if<Heartbeat>(&message)) {
     session.heartbeat = *heartbeat;
   } else if (const auto* request = std::get_if<WeightsRequest>(&message)) {
-    AnswerRequest(session, *request);
+    TakeRequest(session, *request);
   } else if (const auto* goodbye = std::get_if<Goodbye>(&message)) {
     if (log_budget_.Spend()) {
       log::Info("actor left", "name", session.hello.name, "reason", goodbye->reason);
@@ -220,7 +231,11 @@ void SessionServer::OpenSession(const Incoming& incoming, const Hello& hello) {
            {.reason = StrCat("there are ", peers_.size(), " sessions already"), .retry = true});
     return;
   }
-  const SessionId id = peers_.Open(peer, hello).id;
+  Session& session = peers_.Open(peer, hello);
+  const SessionId id = session.id;
+  const int factor = HeartbeatFactor(peers_.size());
+  session.heartbeat_interval = factor * settings_.heartbeat;
+  session.dead_after = factor * settings_.dead_after;
   tickets_.Open(id, hello.loops, hello.tickets);
   if (log_budget_.Spend()) {
     log::Info("actor connected", "name", hello.name, "build", hello.build, "loops", hello.loops,
@@ -229,8 +244,8 @@ void SessionServer::OpenSession(const Incoming& incoming, const Hello& hello) {
   Send(id, Welcome{.run_id = settings_.run_id,
                    .self_play = settings_.self_play,
                    .settings_digest = settings_digest_,
-                   .heartbeat = settings_.heartbeat,
-                   .dead_after = settings_.dead_after});
+                   .heartbeat = session.heartbeat_interval,
+                   .dead_after = session.dead_after});
   SendAck(id, {});
   if (const auto offer = weights_.offer()) Send(id, *offer);
 }
@@ -258,15 +273,34 @@ void SessionServer::TakeGames(Session& session, Games& games) {
 }
 
 // Whoever asks for the next chunk has the receipt of the last: so one lies unread at most.
-void SessionServer::AnswerRequest(Session& session, const WeightsRequest& request) {
+void SessionServer::TakeRequest(Session& session, const WeightsRequest& request) {
   if (request.receipt != session.receipt) {
     Refuse(session.peer,
            {.reason = "it asks for weights before it has read the last ones", .retry = true});
     return;
   }
-  WeightsChunk chunk = weights_.Answer(request);
-  chunk.receipt = session.receipt = UniqueNumber();
-  Send(session.id, chunk);
+  session.receipt = NextReceipt();
+  requests_.emplace_back(session.id, request);
+}
+
+// Nobody can foretell it from those that it was given.
+std::uint64_t SessionServer::NextReceipt() {
+  const Sha256Digest digest = Sha256(BytesOf(StrCat(receipt_secret_, ' ', ++receipts_)));
+  std::uint64_t receipt = 0;
+  std::memcpy(&receipt, digest.data(), sizeof receipt);
+  return std::max<std::uint64_t>(receipt, 1);
+}
+
+void SessionServer::AnswerRequests() {
+  for (int i = 0; i < kChunksPerRound && !requests_.empty(); ++i) {
+    const auto [id, request] = requests_.front();
+    requests_.pop_front();
+    const Session* const session = peers_.Find(id);
+    if (session == nullptr) continue;
+    const WeightsReceipt receipt{session->receipt};
+    Sent(id, channel_->SendShared(session->peer, weights_.Answer(request)));
+    Send(id, receipt);
+  }
 }
 
 void SessionServer::HandleVerdicts() {
@@ -309,17 +343,20 @@ void SessionServer::SendAck(SessionId id, Ack ack) {
 void SessionServer::Tick(Clock::time_point now) {
   last_tick_ = now;
   EndSilentSessions(now);
-  // As long as new games are wanted nobody is idle, and a slow actor has all the time it needs.
   for (const auto& [id, tickets] : tickets_.TakeBackOverdue(now)) {
     log::Warn("games are overdue, others play them too", "actor", peers_.Find(id)->hello.name,
               "games", tickets, "held_s_at_least", settings_.overdue_after.count() / 1000);
   }
   for (const SessionId id : peers_.Ids()) {
-    if (now - peers_.Find(id)->last_sent >= settings_.heartbeat) Send(id, Heartbeat{});
-    // New games may be wanted again, or a lost game's ticket open.
-    if (peers_.Find(id) != nullptr) SendAck(id, {});
+    const Session& session = *peers_.Find(id);
+    if (now - session.last_sent >= session.heartbeat_interval) Send(id, Heartbeat{});
+    SendAck(id, {});  // new games may be wanted again, or a lost game's ticket open
   }
   UpdateStatistics(now);
+}
+
+milliseconds SessionServer::TickInterval() const {
+  return HeartbeatFactor(peers_.size()) * settings_.heartbeat / kTicksPerHeartbeat;
 }
 
 // Silence counts only up to when everything that had arrived was read.
@@ -327,11 +364,11 @@ void SessionServer::EndSilentSessions(Clock::time_point now) {
   const Clock::time_point heard_until = std::min(now, caught_up_);
   for (const SessionId id : peers_.Ids()) {
     const Session& session = *peers_.Find(id);
-    if (heard_until - session.last_heard < settings_.dead_after) continue;
+    if (heard_until - session.last_heard < session.dead_after) continue;
     ++sessions_lost_;
     if (log_budget_.Spend()) {
       log::Warn("lost an actor", "name", session.hello.name, "silence_ms",
-                settings_.dead_after.count());
+                session.dead_after.count());
     }
     EndSession(session);
   }
@@ -359,9 +396,14 @@ void SessionServer::UpdateStatistics(Clock::time_point now) {
 }
 
 void SessionServer::Send(SessionId id, const WireMessage& message) {
-  Session* session = peers_.Find(id);
+  const Session* session = peers_.Find(id);
   if (session == nullptr) return;  // ended by a message just before
-  if (channel_->Send(session->peer, Encode(message))) {
+  Sent(id, channel_->Send(session->peer, Encode(message)));
+}
+
+void SessionServer::Sent(SessionId id, bool taken) {
+  Session* session = peers_.Find(id);
+  if (taken) {
     session->last_sent = Clock::now();
     return;
   }

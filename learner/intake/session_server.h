@@ -6,16 +6,18 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/log_budget.h"
+#include "common/base/unique.h"
 #include "common/base/worker.h"
 #include "common/config/run_config.h"
 #include "common/model/weights_snapshot.h"
@@ -33,12 +35,14 @@ namespace powderkeg {
 struct SessionServerSettings {
   std::string run_id;
   SelfPlayConfig self_play;
+  // Of up to a thousand sessions; with n thousand both are n times as long, so that signs of life
+  // take the same time however many actors there are.
   std::chrono::milliseconds heartbeat{1000};
   std::chrono::milliseconds dead_after{5000};
   // A game waits at most this long for others to be made durable with it.
   std::chrono::milliseconds commit_interval{250};
   int verify_threads = 1;
-  std::size_t max_sessions = 1024;
+  std::size_t max_sessions = 16'384;
   // Games received and not yet durable. Beyond one of these the server stops reading until some
   // are: actors then run out of tickets and pause.
   std::size_t max_pending_games = 65'536;
@@ -49,8 +53,10 @@ struct SessionServerSettings {
   // earlier settings of the run do not count.
   std::uint64_t max_rejected_games = 16;
   // While no new games are wanted, tickets held for so long (at most twice) are granted to others
-  // too: an actor that hangs must not hold up the run.
+  // too: an actor that hangs must not hold up the run. As long as some are wanted nobody is idle,
+  // and a slow actor has all the time it needs, unless they are wanted at all times.
   std::chrono::milliseconds overdue_after{600'000};
+  bool games_always_wanted = false;
   // How many games may be in play, besides the durable ones. Actors share them by their loops; at 0
   // only tickets of lost games are handed out. Asked often and on the io thread.
   std::function<std::uint64_t()> games_wanted = [] { return kAllGames; };
@@ -130,17 +136,22 @@ class SessionServer {
                                                  const std::string& key_owner) const;
   void ReplaceNamesake(const Hello& hello);
   void TakeGames(Session& session, Games& games);
-  void AnswerRequest(Session& session, const WeightsRequest& request);
+  void TakeRequest(Session& session, const WeightsRequest& request);
+  [[nodiscard]] std::uint64_t NextReceipt();
+  // Some of those that wait: games are not to wait for weights.
+  void AnswerRequests();
   void HandleVerdicts();
   // With new tickets, in as many messages as it takes.
   void SendAck(SessionId id, Ack ack);
   void Tick(Clock::time_point now);
+  [[nodiscard]] std::chrono::milliseconds TickInterval() const;
   void EndSilentSessions(Clock::time_point now);
   void TakeLeave();
   void UpdateStatistics(Clock::time_point now);
   [[nodiscard]] bool Full() const;
   // Ends the session if the peer does not take the message.
   void Send(SessionId id, const WireMessage& message);
+  void Sent(SessionId id, bool taken);
   void SendToAll(const WireMessage& message);
   // Ends the session, if there is one, and says why.
   void Refuse(const PeerId& peer, const Refused& refused);
@@ -156,6 +167,9 @@ class SessionServer {
   TicketOffice office_;
   TicketDesk tickets_;
   WeightsDesk weights_;
+  std::deque<std::pair<SessionId, WeightsRequest>> requests_;  // one of a session at most
+  const std::uint64_t receipt_secret_ = UniqueNumber();
+  std::uint64_t receipts_ = 0;
   std::uint64_t malformed_ = 0;
   std::uint64_t sessions_lost_ = 0;
   log::Budget log_budget_;

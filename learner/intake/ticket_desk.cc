@@ -21,14 +21,24 @@ TicketDesk::TicketDesk(TicketDeskSettings settings, TicketOffice& office)
 
 void TicketDesk::Open(SessionId session, std::uint32_t loops,
                       std::span<const std::uint64_t> tickets) {
-  accounts_[session] = {.loops = loops};
+  const Account& account = accounts_[session] = {.loops = loops};
+  targets_ += TargetOf(account);
   const std::size_t most = TicketTarget(loops, settings_.games_in_flight);
   office_.Claim(session, tickets.first(std::min(tickets.size(), most)));
 }
 
 void TicketDesk::Close(SessionId session) {
   office_.Release(session);
-  accounts_.erase(session);
+  const auto account = accounts_.find(session);
+  targets_ -= TargetOf(account->second);
+  accounts_.erase(account);
+}
+
+void TicketDesk::Delivered(SessionId session) {
+  Account& account = accounts_.at(session);
+  targets_ -= TargetOf(account);
+  ++account.delivered;
+  targets_ += TargetOf(account);
 }
 
 std::vector<std::uint64_t> TicketDesk::TopUp(SessionId session) {
@@ -43,7 +53,7 @@ std::vector<std::uint64_t> TicketDesk::TopUp(SessionId session) {
 std::map<SessionId, std::size_t> TicketDesk::TakeBackOverdue(Clock::time_point now) {
   if (now - last_overdue_ < settings_.overdue_after) return {};
   last_overdue_ = now;
-  if (settings_.games_wanted() > 0) return {};
+  if (settings_.patient && settings_.games_wanted() > 0) return {};
   auto taken = office_.TakeBackOverdue();
   for (const auto& [session, tickets] : taken) accounts_.at(session).overdue = true;
   return taken;
@@ -60,10 +70,8 @@ std::size_t TicketDesk::TargetOf(const Account& account) const {
 std::size_t TicketDesk::ShareOf(const Account& account) const {
   const std::uint64_t wanted = settings_.games_wanted();
   if (wanted == kAllGames) return kMostTickets;
-  std::size_t all = 0;
-  for (const auto& [session, other] : accounts_) all += TargetOf(other);
   const double share = static_cast<double>(wanted) * static_cast<double>(TargetOf(account)) /
-                       static_cast<double>(all);
+                       static_cast<double>(targets_);
   return static_cast<std::size_t>(std::min<double>(std::ceil(share), kMostTickets));
 }
 

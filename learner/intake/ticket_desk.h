@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "common/wire/messages.h"
@@ -26,6 +27,7 @@ inline constexpr std::size_t kMostTickets = kMaxTickets / 2;  // that a session 
 struct TicketDeskSettings {
   int games_in_flight = 1;  // of a loop
   std::chrono::milliseconds overdue_after{0};
+  bool patient = true;  // tickets are overdue only while no new games are wanted
   std::function<std::uint64_t()> games_wanted;
 };
 
@@ -47,12 +49,12 @@ class TicketDesk {
   // Tickets up to the session's share, ascending.
   [[nodiscard]] std::vector<std::uint64_t> TopUp(SessionId session);
   // A game of the session is durable.
-  void Delivered(SessionId session) { ++accounts_.at(session).delivered; }
+  void Delivered(SessionId session);
   // A game has come from the session: it is not overdue, whatever was said of it.
   void Excuse(SessionId session) { accounts_.at(session).overdue = false; }
-  // To be called now and then: while no new games are wanted, tickets held for overdue_after (at
-  // most twice) become open; says how many by session. Those sessions get no tickets until they
-  // are excused.
+  // To be called now and then: tickets held for overdue_after (at most twice) become open, where
+  // the desk is patient only while no new games are wanted; says how many by session. Those
+  // sessions get no tickets until they are excused.
   [[nodiscard]] std::map<SessionId, std::size_t> TakeBackOverdue(Clock::time_point now);
 
  private:
@@ -67,7 +69,8 @@ class TicketDesk {
 
   const TicketDeskSettings settings_;
   TicketOffice& office_;
-  std::map<SessionId, Account> accounts_;
+  std::unordered_map<SessionId, Account> accounts_;
+  std::size_t targets_ = 0;                        // of all accounts together
   Clock::time_point last_overdue_ = Clock::now();  // tickets looked for
 };
 

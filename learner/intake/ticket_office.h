@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "common/record/ticket_set.h"
@@ -73,8 +74,8 @@ class TicketOffice {
   std::uint64_t claim_limit_;  // one more than the highest ticket that may be claimed
   std::uint64_t period_ = 0;   // between two calls of TakeBackOverdue
   std::set<std::uint64_t> open_;
-  std::map<std::uint64_t, Holder> holders_;
-  std::map<SessionId, std::set<std::uint64_t>> sessions_;
+  std::unordered_map<std::uint64_t, Holder> holders_;
+  std::unordered_map<SessionId, std::set<std::uint64_t>> sessions_;
 };
 
 }  // namespace powderkeg

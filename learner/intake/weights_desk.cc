@@ -7,6 +7,11 @@
 #include "common/base/log.h"
 
 namespace powderkeg {
+namespace {
+
+constexpr std::size_t kEncodedKept = 16;
+
+}  // namespace
 
 void WeightsDesk::Publish(const Snapshot& snapshot) {
   Packed packed = snapshot ? Pack(snapshot->version, Serialize(*snapshot))
@@ -27,7 +32,20 @@ std::optional<WeightsOffer> WeightsDesk::offer() const {
   return newest_ ? std::optional(newest_->offer) : std::nullopt;
 }
 
-WeightsChunk WeightsDesk::Answer(const WeightsRequest& request) {
+std::shared_ptr<const std::string> WeightsDesk::Answer(const WeightsRequest& request) {
+  const auto known = std::ranges::find_if(encoded_, [&](const Encoded& encoded) {
+    return encoded.version == request.version && encoded.offset_bytes == request.offset_bytes;
+  });
+  if (known != encoded_.end()) return known->chunk;
+  const WeightsChunk chunk = ChunkOf(request);
+  auto answer = std::make_shared<const std::string>(Encode(chunk));
+  if (chunk.data.empty()) return answer;  // it may be there one day
+  if (encoded_.size() == kEncodedKept) encoded_.pop_front();
+  encoded_.push_back({request.version, request.offset_bytes, answer});
+  return answer;
+}
+
+WeightsChunk WeightsDesk::ChunkOf(const WeightsRequest& request) {
   WeightsChunk chunk{.offer = {.version = request.version}, .offset_bytes = request.offset_bytes};
   const Packed packed = Find(request.version);
   if (!packed || request.offset_bytes >= packed->bytes.size()) return chunk;

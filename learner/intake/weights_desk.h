@@ -4,9 +4,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/wire/messages.h"
@@ -32,16 +35,24 @@ class WeightsDesk {
   // nullopt before the first Refresh that was true.
   [[nodiscard]] std::optional<WeightsOffer> offer() const;
 
-  // The bytes asked for, or that they are gone; without a receipt.
-  [[nodiscard]] WeightsChunk Answer(const WeightsRequest& request);
+  // The bytes asked for, or that they are gone: an encoded WeightsChunk.
+  [[nodiscard]] std::shared_ptr<const std::string> Answer(const WeightsRequest& request);
 
  private:
+  struct Encoded {
+    std::uint32_t version;
+    std::uint64_t offset_bytes;
+    std::shared_ptr<const std::string> chunk;
+  };
+
   [[nodiscard]] Packed Find(std::uint32_t version);
+  [[nodiscard]] WeightsChunk ChunkOf(const WeightsRequest& request);
 
   const LoadWeights load_;
   Packed newest_;
   WeightsShelf<Packed> past_;
-  std::mutex mutex_;  // guards published_
+  std::deque<Encoded> encoded_;  // what was asked for last: many ask for the same
+  std::mutex mutex_;             // guards published_
   Packed published_;
 };
 

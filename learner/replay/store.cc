@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/base/descriptors.h"
 #include "common/base/durable_file.h"
 #include "common/base/log.h"
 #include "common/base/number.h"
@@ -100,6 +101,7 @@ void ReplayStore::Append(std::span<const GameRecord> games) {
 
 std::vector<std::uint64_t> ReplayStore::Load(const std::function<bool(std::uint64_t)>& wanted,
                                              const std::function<void(GameRecord&&)>& visit) {
+  const ReservedDescriptors reserved;  // once for all of them
   Loading loading{.wanted = wanted, .visit = visit, .seen = TicketSet(), .stored = {}};
   for (std::size_t i = 0; i < segments_.size();) {
     const Segment segment = segments_[i];

@@ -188,6 +188,8 @@ constexpr Figure kIterationFigures[] = {
      &kAgreement},
     {"weights_lag", Of<&Report::weights_lag>, "", "%3.1f", "lag",
      "Mean age of the weights that its games started with, in versions.", "lag"},
+    {"reuse_ratio", Of<&Report::reuse_ratio>, "", "%5.2f", "reuse ratio",
+     "Samples trained for each decision of its games.", "reuse"},
     {"samples_per_s", Of<&Report::samples_per_s>, "", "%9.0f", "samples/s",
      "Samples trained in a second.", "samples/s"},
     {"waited_s", Of<&Report::waited_s>, "s", "%6.0f", "waited", "Time it waited for games.",

@@ -245,6 +245,7 @@ void Learner::ServeActors(const LearnerSettings& settings, std::span<const std::
   server.self_play = config_.self_play;
   server.newest_version = NewestSavedVersion();
   server.newest_weights_only = config_.training.sequential;
+  server.games_always_wanted = config_.training.continuous;
   server.games_wanted = [this] { return loop_.GamesWanted(); };
   server.load_weights = [this](std::uint32_t version) { return LoadWeights(version); };
   if (std::ranges::find(games_.players(), PlayerSpec::Weights::kPast, &Player::weights) !=

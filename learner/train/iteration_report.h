@@ -34,6 +34,7 @@ struct IterationReport {
   double held_out_value_loss = 0;
   double held_out_accuracy = 0;
   double held_out_others_accuracy = 0;
+  double reuse_ratio = 0;    // samples trained for each decision of its games
   double samples_per_s = 0;  // trained
   double waited_s = 0;       // for games
   double trained_s = 0;

@@ -23,9 +23,22 @@ constexpr auto kTrainLogInterval = std::chrono::seconds(60);
 constexpr std::uint64_t kInitialWeights = 0;
 constexpr std::uint64_t kHeldOut = std::uint64_t{1} << 32;
 
+// Decisions that wait for their iteration take 400 bytes each.
+constexpr int kMostAhead = 10'000'000;
+
+int DataSetsAhead(const TrainingConfig& training) {
+  if (training.sequential) return 1;
+  return training.continuous ? std::max(2, kMostAhead / training.decisions_per_iteration) : 2;
+}
+
 Schedule MakeSchedule(const TrainingConfig& training, std::vector<TicketRange> data_sets) {
-  return {training.iterations, static_cast<std::uint64_t>(training.decisions_per_iteration),
-          training.window_datasets, training.sequential ? 1 : 2, std::move(data_sets)};
+  const auto decisions = static_cast<std::uint64_t>(training.decisions_per_iteration);
+  return Schedule({.iterations = training.iterations,
+                   .decisions_per_iteration = decisions,
+                   .window_data_sets = training.window_datasets,
+                   .data_sets_ahead = DataSetsAhead(training),
+                   .growing = training.continuous},
+                  std::move(data_sets));
 }
 
 TrainerState UntrainedState(const LearnerLoopSettings& settings) {
@@ -83,6 +96,8 @@ IterationReport MakeReport(int iteration, const DataSet& data_set, const Trainin
   report.value_loss = training.value_loss;
   report.policy_accuracy = training.policy_accuracy;
   report.others_accuracy = training.others_accuracy;
+  report.reuse_ratio =
+      static_cast<double>(training.samples) / std::max(1.0, static_cast<double>(play.decisions));
   report.samples_per_s = training.samples_per_s;
   return report;
 }
@@ -246,7 +261,7 @@ void LearnerLoop::RestoreWindow() {
     for (std::uint64_t ticket = range.first; ticket <= range.last; ++ticket) {
       if (!games_.contains(ticket)) missing.push_back(ticket);
     }
-    window_.Push(TakeDataSet(range).samples);
+    window_.Push(DataSetOf(TakeGames(range)).samples);
   }
   window_restored_ = true;
   if (missing.empty()) return;
@@ -254,11 +269,20 @@ void LearnerLoop::RestoreWindow() {
             "tickets", TicketsText(std::move(missing)));
 }
 
-DataSet LearnerLoop::TakeDataSet(const TicketRange& range) {
-  DataSet data_set;
+std::vector<Lessons> LearnerLoop::TakeGames(const TicketRange& range) {
+  std::vector<Lessons> games;
   for (std::uint64_t ticket = range.first; ticket <= range.last; ++ticket) {
     auto game = games_.extract(ticket);
-    if (!game.empty()) data_set.Add(std::move(game.mapped()), PartOf(ticket));
+    if (!game.empty()) games.push_back(std::move(game.mapped()));
+  }
+  return games;
+}
+
+DataSet LearnerLoop::DataSetOf(std::vector<Lessons> games) const {
+  DataSet data_set;
+  for (Lessons& game : games) {
+    const DataSet::Part part = PartOf(game.ticket);
+    data_set.Add(std::move(game), part);
   }
   return data_set;
 }
@@ -275,12 +299,13 @@ std::optional<DataSet> LearnerLoop::NextDataSet(const std::stop_token& stop) {
   WaitLog wait_log(schedule_.progress());
   while (!stop.stop_requested()) {
     if (const auto range = schedule_.StartIteration()) {
-      DataSet data_set = TakeDataSet(*range);
+      std::vector<Lessons> games = TakeGames(*range);
       if (settings_.training.sequential) {
         for (auto& [ticket, game] : games_) PassOver(game);
         schedule_.PassOver();
       }
-      return data_set;
+      lock.unlock();  // it takes a while, and games come
+      return DataSetOf(std::move(games));
     }
     const std::uint64_t wanted = schedule_.decisions_wanted();
     games_added_.wait_for(lock, stop, kWaitLogInterval,

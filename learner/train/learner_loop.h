@@ -71,9 +71,9 @@ struct LearnerLoopHooks {
 //   Worker trainer("trainer", [&](const std::stop_token& stop) { loop.Run(stop); });
 // and let no more games be in play than loop.GamesWanted().
 //
-// A kill at any moment repeats at most the iteration in progress, on the same games: its data set
-// follows from the checkpoint and the store. Add, GamesWanted and progress are thread-safe; Run is
-// for one thread.
+// A kill at any moment repeats at most the iteration in progress, on the same games (where data
+// sets grow, on these and those that have come since): its data set follows from the checkpoint and
+// the store. Add, GamesWanted and progress are thread-safe; Run is for one thread.
 class LearnerLoop {
  public:
   // Throws Error if the run cannot be resumed or the settings are invalid.
@@ -134,7 +134,9 @@ class LearnerLoop {
   [[nodiscard]] std::optional<DataSet> NextDataSet(const std::stop_token& stop);
   [[nodiscard]] bool IsOfItsIteration(const Lessons& game) const;
   static void PassOver(Lessons& game);
-  [[nodiscard]] DataSet TakeDataSet(const TicketRange& range);
+  // The games of these tickets that are there.
+  [[nodiscard]] std::vector<Lessons> TakeGames(const TicketRange& range);
+  [[nodiscard]] DataSet DataSetOf(std::vector<Lessons> games) const;
   [[nodiscard]] DataSet::Part PartOf(std::uint64_t ticket) const;
   // One iteration on its data set; false if stopped.
   bool RunIteration(DataSet data_set, Seconds waited, const std::stop_token& stop);

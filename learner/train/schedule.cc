@@ -41,16 +41,12 @@ std::uint32_t VersionToPlay(int iterations_done, FirstWeights first) {
   return static_cast<std::uint32_t>(iterations_done) + 1;
 }
 
-Schedule::Schedule(int iterations, std::uint64_t decisions_per_iteration, int window_data_sets,
-                   int data_sets_ahead, std::vector<TicketRange> data_sets)
-    : iterations_(iterations),
-      decisions_(decisions_per_iteration),
-      window_data_sets_(static_cast<std::size_t>(window_data_sets)),
-      data_sets_ahead_(data_sets_ahead),
+Schedule::Schedule(const ScheduleSettings& settings, std::vector<TicketRange> data_sets)
+    : settings_(settings),
       data_sets_(std::move(data_sets)),
       prefix_(data_sets_.empty() ? 0 : data_sets_.back().last + 1) {
-  CHECK(iterations > 0 && decisions_per_iteration > 0 && window_data_sets > 0 &&
-        data_sets_ahead > 0);
+  CHECK(settings.iterations > 0 && settings.decisions_per_iteration > 0 &&
+        settings.window_data_sets > 0 && settings.data_sets_ahead > 0);
 }
 
 Schedule::Use Schedule::Add(std::uint64_t ticket, std::uint32_t decisions) {
@@ -78,7 +74,7 @@ Schedule::Use Schedule::UseOf(std::uint64_t ticket) const {
 }
 
 std::uint64_t Schedule::OldestTicketNeeded(int checkpoints) const {
-  const std::size_t sets = window_data_sets_ - 1 + static_cast<std::size_t>(checkpoints - 1);
+  const auto sets = static_cast<std::size_t>(settings_.window_data_sets - 1 + checkpoints - 1);
   if (sets >= data_sets_.size()) return 0;
   return sets == 0 ? next_ticket() : data_sets_[data_sets_.size() - sets].first;
 }
@@ -90,8 +86,9 @@ int Schedule::IterationOf(std::uint64_t ticket) const {
 }
 
 std::uint64_t Schedule::GamesWanted() const {
-  const int data_sets = std::min(data_sets_ahead_, iterations_ - iteration());
-  const std::uint64_t wanted = static_cast<std::uint64_t>(data_sets) * decisions_;
+  const int data_sets = std::min(settings_.data_sets_ahead, settings_.iterations - iteration());
+  const std::uint64_t wanted =
+      static_cast<std::uint64_t>(data_sets) * settings_.decisions_per_iteration;
   const std::uint64_t there = prefix_.progress().decisions;
   if (there >= wanted) return 0;
   const std::uint64_t mean =
@@ -101,13 +98,16 @@ std::uint64_t Schedule::GamesWanted() const {
 
 std::optional<TicketRange> Schedule::StartIteration() {
   if (finished()) return std::nullopt;
-  const auto range = prefix_.NextDataSet(decisions_wanted());
+  const std::uint64_t there = prefix_.progress().decisions_in_prefix;
+  const std::uint64_t least = decisions_wanted();
+  const auto range = prefix_.NextDataSet(settings_.growing ? std::max(least, there) : least);
   if (range) data_sets_.push_back(*range);
   return range;
 }
 
 std::span<const TicketRange> Schedule::WindowOfNext() const {
-  const std::size_t count = std::min(window_data_sets_ - 1, data_sets_.size());
+  const auto window = static_cast<std::size_t>(settings_.window_data_sets);
+  const std::size_t count = std::min(window - 1, data_sets_.size());
   return std::span(data_sets_).last(count);
 }
 

@@ -25,14 +25,24 @@ enum class FirstWeights : std::uint8_t { kUntrained, kGiven };
 // after iteration k. Untrained weights are not played with: they know nothing, and cost time.
 [[nodiscard]] std::uint32_t VersionToPlay(int iterations_done, FirstWeights first);
 
+// All numbers are positive.
+struct ScheduleSettings {
+  int iterations = 1;
+  std::uint64_t decisions_per_iteration = 1;
+  int window_data_sets = 1;
+  // Games are played for the next data sets, so many.
+  int data_sets_ahead = 2;
+  // A data set takes every game that is there without a gap before it; else the first ones that are
+  // enough. Which data set a long game is in then depends on when it ended, but it is in one.
+  bool growing = false;
+};
+
 // Iteration k (from 1) trains on the data sets k - window + 1 to k; its data set is taken when it
 // starts. A value; one thread.
 class Schedule {
  public:
-  // Games are played for the next `data_sets_ahead` data sets. `data_sets` are those of the
-  // iterations that were completed before (from a checkpoint). Requires positive numbers.
-  Schedule(int iterations, std::uint64_t decisions_per_iteration, int window_data_sets,
-           int data_sets_ahead, std::vector<TicketRange> data_sets = {});
+  // `data_sets` are those of the iterations that were completed before (from a checkpoint).
+  explicit Schedule(const ScheduleSettings& settings, std::vector<TicketRange> data_sets = {});
 
   enum class Use : std::uint8_t {
     kNextDataSets,  // waits for its iteration
@@ -72,7 +82,7 @@ class Schedule {
   void PassOver() { prefix_.PassOver(); }
 
   // Whether every iteration was started.
-  [[nodiscard]] bool finished() const { return iteration() >= iterations_; }
+  [[nodiscard]] bool finished() const { return iteration() >= settings_.iterations; }
   // The iteration started last; 0 before the first.
   [[nodiscard]] int iteration() const { return static_cast<int>(data_sets_.size()); }
   // Of all iterations started.
@@ -82,14 +92,12 @@ class Schedule {
   // Of the next iteration.
   [[nodiscard]] TicketPrefix::Progress progress() const { return prefix_.progress(); }
   [[nodiscard]] std::uint64_t decisions_wanted() const {
-    return closed_games_ > 0 && data_sets_.empty() ? closed_decisions_ : decisions_;
+    return closed_games_ > 0 && data_sets_.empty() ? closed_decisions_
+                                                   : settings_.decisions_per_iteration;
   }
 
  private:
-  int iterations_;
-  std::uint64_t decisions_;
-  std::size_t window_data_sets_;
-  int data_sets_ahead_;
+  ScheduleSettings settings_;
   std::vector<TicketRange> data_sets_;
   TicketPrefix prefix_;
   std::uint64_t closed_games_ = 0;  // of a first data set that was closed

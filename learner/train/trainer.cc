@@ -106,6 +106,12 @@ class SampleStream {
   std::size_t next_ = 0;
 };
 
+std::size_t SamplesOfEpoch(const TrainingConfig& training, const ReplayWindow& window) {
+  const auto usual = static_cast<std::size_t>(training.window_datasets) *
+                     static_cast<std::size_t>(training.decisions_per_iteration);
+  return training.continuous ? std::min(usual, window.size()) : window.size();
+}
+
 }  // namespace
 
 struct Trainer::Implementation {
@@ -250,7 +256,7 @@ TrainingResult Trainer::Train(const ReplayWindow& window, int iteration, Rng rng
   const TrainingConfig& training = trainer.settings.training;
   InitialiseTorch(training.threads);
   const auto batch_size = static_cast<std::size_t>(training.batch_size);
-  const double wanted = training.epochs * static_cast<double>(window.size());
+  const double wanted = training.epochs * static_cast<double>(SamplesOfEpoch(training, window));
   const auto batches = static_cast<std::uint64_t>(
       std::max(1.0, std::round(wanted / static_cast<double>(batch_size))));
   SampleStream stream(window, rng);

@@ -162,6 +162,14 @@ TEST(ConfigTest, BadChangesAreErrors) {
               HasSubstr("no setting self_play.search.speed"));
 }
 
+TEST(ConfigTest, NoRunIsSequentialAndContinuous) {
+  const Changes both{"training.sequential=true", "training.continuous=true"};
+  EXPECT_THROW((void)ParseConfig("", "x", both), Error);
+  for (const std::string& one : both) {
+    EXPECT_NO_THROW((void)ParseConfig("", "x", Changes{one})) << one;
+  }
+}
+
 TEST(ConfigTest, ReadsFiles) {
   const std::string path = testing::TempDir() + "config_test.textproto";
   std::ofstream(path) << "# comment\ntraining { iterations: 3 }\n";

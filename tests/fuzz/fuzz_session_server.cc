@@ -88,8 +88,8 @@ class Peer {
     if (const auto* ack = std::get_if<Ack>(&message)) {
       acknowledged_.insert(ack->durable.begin(), ack->durable.end());
       granted_.insert(granted_.end(), ack->tickets.begin(), ack->tickets.end());
-    } else if (const auto* chunk = std::get_if<WeightsChunk>(&message)) {
-      receipt_ = chunk->receipt;
+    } else if (const auto* receipt = std::get_if<WeightsReceipt>(&message)) {
+      receipt_ = receipt->receipt;
     }
     return true;
   }

@@ -119,6 +119,23 @@ TEST(LearnerLoop, SequentialIterationsLearnFromTheirOwnWeightsAlone) {
   EXPECT_EQ(again.progress().games.decisions_in_prefix, 0u);
 }
 
+TEST(LearnerLoop, AContinuousIterationTakesAllGamesAndTrainsNoMoreThanUsual) {
+  const TemporaryFolder folder;
+  LearnerLoopSettings settings = SettingsFor(folder.path(), 1);
+  const RunLog usual = RunLoop(settings, PlayGames(0, kGames));
+  const TemporaryFolder other_folder;
+  settings.folder = other_folder.path();
+  settings.training.continuous = true;
+  settings.training.window_datasets = 1;
+  const RunLog run = RunLoop(settings, PlayGames(0, kGames));
+  ASSERT_EQ(run.reports.size(), 1u);
+  EXPECT_EQ(run.reports[0].games, static_cast<std::uint64_t>(kGames));
+  ASSERT_GT(run.reports[0].decisions, usual.reports[0].decisions);
+  const auto wanted = settings.training.epochs * kDecisions;
+  EXPECT_NEAR(run.reports[0].reuse_ratio * static_cast<double>(run.reports[0].decisions), wanted,
+              settings.training.batch_size);
+}
+
 TEST(LearnerLoop, ARestartGoesOnExactlyWhereItWas) {
   const std::vector<GameRecord> games = PlayGames(0, kGames);
   const TemporaryFolder folder;

@@ -9,8 +9,8 @@ using Range = std::optional<TicketRange>;
 using Use = Schedule::Use;
 
 Schedule ThreeIterations(std::vector<TicketRange> data_sets = {}) {
-  return {/*iterations=*/3, /*decisions_per_iteration=*/10, /*window_data_sets=*/2,
-          /*data_sets_ahead=*/2, std::move(data_sets)};
+  return Schedule({.iterations = 3, .decisions_per_iteration = 10, .window_data_sets = 2},
+                  std::move(data_sets));
 }
 
 TEST(Schedule, RunsItsIterationsAndEnds) {
@@ -62,14 +62,13 @@ TEST(Schedule, KnowsWhatARestartMayNeed) {
   EXPECT_EQ(schedule.OldestTicketNeeded(/*checkpoints=*/2), 5u);
   EXPECT_EQ(schedule.OldestTicketNeeded(/*checkpoints=*/3), 0u);
   EXPECT_EQ(schedule.OldestTicketNeeded(/*checkpoints=*/9), 0u);
-  const Schedule no_window(3, 10, /*window_data_sets=*/1, /*data_sets_ahead=*/2, {{0, 4}, {5, 9}});
+  const Schedule no_window({.iterations = 3, .decisions_per_iteration = 10}, {{0, 4}, {5, 9}});
   EXPECT_EQ(no_window.OldestTicketNeeded(1), 10u);
   EXPECT_EQ(no_window.OldestTicketNeeded(2), 5u);
 }
 
 TEST(Schedule, WantsGamesForTwoDataSetsByTheirMeanLength) {
-  Schedule schedule(/*iterations=*/4, /*decisions_per_iteration=*/1000, /*window_data_sets=*/2,
-                    /*data_sets_ahead=*/2);
+  Schedule schedule({.iterations = 4, .decisions_per_iteration = 1000, .window_data_sets = 2});
   EXPECT_EQ(schedule.GamesWanted(), 10u) << "of a usual length";
   schedule.Add(0, 100);
   EXPECT_EQ(schedule.GamesWanted(), 19u);
@@ -90,16 +89,17 @@ TEST(Schedule, KnowsTheIterationOfATicket) {
 }
 
 TEST(Schedule, CanKeepFromPlayingAhead) {
-  Schedule schedule(/*iterations=*/4, /*decisions_per_iteration=*/1000, /*window_data_sets=*/2,
-                    /*data_sets_ahead=*/1);
+  Schedule schedule({.iterations = 4,
+                     .decisions_per_iteration = 1000,
+                     .window_data_sets = 2,
+                     .data_sets_ahead = 1});
   EXPECT_EQ(schedule.GamesWanted(), 5u);
   schedule.Add(0, 1000);
   EXPECT_EQ(schedule.GamesWanted(), 0u);
 }
 
 TEST(Schedule, WantsNoGamesThatNoIterationWouldUse) {
-  Schedule schedule(/*iterations=*/2, /*decisions_per_iteration=*/100, /*window_data_sets=*/1,
-                    /*data_sets_ahead=*/2);
+  Schedule schedule({.iterations = 2, .decisions_per_iteration = 100});
   schedule.Add(0, 100);
   EXPECT_EQ(schedule.GamesWanted(), 1u);
   ASSERT_TRUE(schedule.StartIteration());
@@ -108,6 +108,17 @@ TEST(Schedule, WantsNoGamesThatNoIterationWouldUse) {
   EXPECT_EQ(schedule.GamesWanted(), 0u);
   ASSERT_TRUE(schedule.StartIteration());
   EXPECT_EQ(schedule.GamesWanted(), 0u);
+}
+
+TEST(Schedule, GrowingDataSetsTakeWhatIsThereWithoutAGap) {
+  Schedule schedule({.iterations = 3, .decisions_per_iteration = 10, .growing = true});
+  schedule.Add(0, 9);
+  EXPECT_EQ(schedule.StartIteration(), std::nullopt) << "not enough";
+  for (const std::uint64_t ticket : {1, 2, 3, 5, 6}) schedule.Add(ticket, 9);
+  EXPECT_EQ(schedule.StartIteration(), (Range{{0, 3}}));
+  EXPECT_EQ(schedule.StartIteration(), std::nullopt) << "ticket 4 is awaited";
+  schedule.Add(4, 9);
+  EXPECT_EQ(schedule.StartIteration(), (Range{{4, 6}}));
 }
 
 // Demonstrations: however many they are, the first iteration is of them and of nothing else.
@@ -167,7 +178,7 @@ TEST(Schedule, UntrainedWeightsAreNotPlayedWith) {
 }
 
 TEST(Schedule, AWindowOfOneNeedsNoOldGames) {
-  Schedule schedule(5, 10, /*window_data_sets=*/1, /*data_sets_ahead=*/2, {{0, 3}});
+  Schedule schedule({.iterations = 5, .decisions_per_iteration = 10}, {{0, 3}});
   EXPECT_TRUE(schedule.WindowOfNext().empty());
   EXPECT_EQ(schedule.Add(3, 10), Use::kNone);
 }

@@ -231,6 +231,9 @@ class MutedChannel final : public ServerChannel {
   bool Send(const PeerId& peer, const std::string& bytes) override {
     return !muted_ && channel_->Send(peer, bytes);
   }
+  bool SendShared(const PeerId& peer, const std::shared_ptr<const std::string>& bytes) override {
+    return Send(peer, *bytes);
+  }
   std::optional<Incoming> Receive(milliseconds timeout, const Waker& waker) override {
     return channel_->Receive(timeout, waker);
   }
@@ -496,7 +499,8 @@ TEST(SessionTest, AnotherProtocolIsRefusedWithBothVersions) {
   const auto answer = client->Receive(milliseconds(5000), Waker());
   ASSERT_TRUE(answer);
   const auto refused = std::get<Refused>(std::get<WireMessage>(Decode(*answer)));
-  EXPECT_EQ(refused, (Refused{.reason = "its protocol version is 99; expected 2"}));
+  EXPECT_EQ(refused,
+            (Refused{.reason = StrCat("its protocol version is 99; expected ", kProtocolVersion)}));
 }
 
 TEST(SessionTest, AFailedStoreFailsTheServer) {
@@ -638,6 +642,26 @@ class Stranger {
   const Waker waker_;
 };
 
+// So that ten thousand actors cost a learner no more signs of life than three thousand.
+TEST(SessionTest, WithManyActorsHeartbeatsAreRarer) {
+  InProcessNetwork network;
+  SessionServerSettings settings = QuickSettings();
+  settings.dead_after = std::chrono::minutes(1);
+  TestLearner learner(network.Listen(), settings);
+  std::vector<std::unique_ptr<Stranger>> actors;
+  std::vector<Welcome> welcomes;
+  for (int i = 0; i < 1001; ++i) {
+    actors.push_back(std::make_unique<Stranger>(network));
+    actors.back()->Say(Hello{.name = StrCat("actor-", i)});
+    const auto welcome = actors.back()->Hear<Welcome>();
+    ASSERT_TRUE(welcome);
+    welcomes.push_back(*welcome);
+  }
+  EXPECT_EQ(welcomes.front().heartbeat, settings.heartbeat);
+  EXPECT_EQ(welcomes.back().heartbeat, 2 * settings.heartbeat);
+  EXPECT_EQ(welcomes.back().dead_after, 2 * settings.dead_after);
+}
+
 // So at most one chunk lies in the queue of a peer that does not read.
 TEST(SessionTest, TheNextChunkIsForWhoHasReadTheLast) {
   InProcessNetwork network;
@@ -647,11 +671,12 @@ TEST(SessionTest, TheNextChunkIsForWhoHasReadTheLast) {
   greedy.Say(Hello{.name = "greedy"});
   ASSERT_TRUE(greedy.Hear<WeightsOffer>());
   greedy.Say(WeightsRequest{.version = 1});
-  const auto chunk = greedy.Hear<WeightsChunk>();
-  ASSERT_TRUE(chunk);
-  greedy.Say(WeightsRequest{.version = 1, .receipt = chunk->receipt});
   ASSERT_TRUE(greedy.Hear<WeightsChunk>());
-  greedy.Say(WeightsRequest{.version = 1, .receipt = chunk->receipt});
+  const auto receipt = greedy.Hear<WeightsReceipt>();
+  ASSERT_TRUE(receipt);
+  greedy.Say(WeightsRequest{.version = 1, .receipt = receipt->receipt});
+  ASSERT_TRUE(greedy.Hear<WeightsChunk>());
+  greedy.Say(WeightsRequest{.version = 1, .receipt = receipt->receipt});
   const auto refused = greedy.Hear<Refused>();
   ASSERT_TRUE(refused);
   EXPECT_TRUE(refused->retry);

@@ -18,6 +18,7 @@ int RequestsOf(WeightsFetcher& fetcher, const Answer& answer) {
     if (!request) break;
     ++requests;
     fetcher.Handle(answer(*request));
+    fetcher.Handle(WeightsReceipt{.receipt = 1});
   }
   return requests;
 }

@@ -152,8 +152,8 @@ TEST(CodecTest, MessagesComeBackAsTheyWere) {
   ExpectSurvives(WeightsOffer{.version = 1, .size_bytes = 5, .sha256 = digest});
   const WeightsOffer offer{.version = 1, .size_bytes = 7, .sha256 = digest};
   ExpectSurvives(WeightsRequest{.version = 1, .offset_bytes = 5, .receipt = 9});
-  ExpectSurvives(WeightsChunk{
-      .offer = offer, .offset_bytes = 5, .data = std::string("\0\xff", 2), .receipt = 9});
+  ExpectSurvives(WeightsChunk{.offer = offer, .offset_bytes = 5, .data = std::string("\0\xff", 2)});
+  ExpectSurvives(WeightsReceipt{.receipt = 9});
   ExpectSurvives(WeightsChunk{.offer = {.version = 3}, .offset_bytes = 5});  // gone
   ExpectSurvives(Heartbeat{.games = 1,
                            .steps = 2,

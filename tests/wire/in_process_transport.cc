@@ -75,6 +75,9 @@ class InProcessServer final : public ServerChannel {
     for (const auto& [peer, inbox] : shared_->clients) inbox->messages.clear();
   }
 
+  bool SendShared(const PeerId& peer, const std::shared_ptr<const std::string>& bytes) override {
+    return Send(peer, *bytes);
+  }
   bool Send(const PeerId& peer, const std::string& bytes) override {
     const std::lock_guard lock(shared_->mutex);
     const auto client = shared_->clients.find(peer);

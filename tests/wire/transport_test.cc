@@ -4,6 +4,7 @@
 #include <netdb.h>
 
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <optional>
 #include <string>
@@ -192,6 +193,23 @@ TEST_F(ZmqTest, AnActorCanBeAddedWhileTheLearnerRuns) {
   WriteKeyPair(MakeKeyPair(), keys_ / "actors" / "late");
   const auto client = ConnectZmq(server->endpoint(), ReadClientKeys(keys_, "late"));
   EXPECT_TRUE(Reaches(*client, *server, "hello", milliseconds(5000)));
+}
+
+TEST_F(ZmqTest, KeysThatComeGoAndChangeAreNoticed) {
+  const CurveKeyPair first = MakeKeyPair();
+  const std::filesystem::path actors = keys_ / "actors";
+  WriteKeyPair(first, actors / "one");
+  KeyFolder folder(keys_);
+  EXPECT_EQ(folder.ActorOf(first.public_key), "one");
+  std::filesystem::rename(actors / "one.public", actors / "two.public");
+  const auto deadline = std::chrono::steady_clock::now() + milliseconds(5000);
+  while (folder.ActorOf(first.public_key) != "two") {  // the folder is not read at all times
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+  }
+  std::ofstream(actors / "two.public") << MakeKeyPair().public_key << "\n";
+  EXPECT_EQ(folder.ActorOf(first.public_key), std::nullopt);
+  std::filesystem::remove_all(actors);
+  EXPECT_EQ(folder.ActorOf(first.public_key), std::nullopt);
 }
 
 TEST_F(ZmqTest, NoKeysNoListeningBeyondThisMachine) {
