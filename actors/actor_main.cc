@@ -10,7 +10,6 @@
 #include <iostream>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include "actors/evaluator_choice.h"
 #include "actors/selfplay/self_play.h"
@@ -18,6 +17,7 @@
 #include "common/base/descriptors.h"
 #include "common/base/log.h"
 #include "common/base/name.h"
+#include "common/base/processors.h"
 #include "common/base/run_main.h"
 #include "common/base/unique.h"
 #include "common/base/worker.h"
@@ -29,7 +29,7 @@ namespace {
 struct Arguments {
   std::string learner;
   std::string name;
-  std::uint32_t loops = std::max(1u, std::thread::hardware_concurrency());
+  std::uint32_t loops = static_cast<std::uint32_t>(UsableProcessors());
   std::string spool;
   std::string keys;
   std::string run_id;

@@ -7,7 +7,6 @@
 #include <iostream>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "actors/evaluator_choice.h"
@@ -17,6 +16,7 @@
 #include "common/base/check.h"
 #include "common/base/descriptors.h"
 #include "common/base/log.h"
+#include "common/base/processors.h"
 #include "common/base/run_main.h"
 #include "common/config/agent_spec.h"
 #include "common/config/tree_memory.h"
@@ -46,9 +46,7 @@ struct Arguments {
   int move_time_ms = 0;  // 0: no clock
   std::uint64_t seed = 1;
   std::string log_level = "info";
-  EvaluatorChoice evaluator{
-      .threads =
-          std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads)};
+  EvaluatorChoice evaluator{.threads = std::min(UsableProcessors(), kMostThreads)};
 };
 
 void AddOptions(CLI::App& app, Arguments& arguments) {

@@ -9,7 +9,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -19,6 +18,7 @@
 #include "actors/evaluator_choice.h"
 #include "actors/play/factory.h"
 #include "common/base/check.h"
+#include "common/base/processors.h"
 #include "common/base/run_main.h"
 #include "common/config/agent_spec.h"
 #include "common/config/tree_memory.h"
@@ -74,7 +74,7 @@ struct Arguments {
   std::string question;
   int min_games = 100;
   std::uint64_t seed = 1;
-  int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  int threads = UsableProcessors();
   int games_in_flight = 0;
   std::string json_file;
   std::string table_file;

@@ -1,6 +1,10 @@
 #include "common/base/run_main.h"
 
+#include <errno.h>
+
 #include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <iostream>
 #include <new>
@@ -13,6 +17,45 @@
 
 namespace powderkeg {
 namespace {
+
+// What the compiler was allowed to use (POWDERKEG_NATIVE) and this processor lacks, or null.
+const char* MissingInstructions() {
+#if defined(__x86_64__)
+  __builtin_cpu_init();
+// MACRO is 1 where the compiler uses them, and stands for itself elsewhere.
+#define POWDERKEG_TEXT(text) #text
+#define POWDERKEG_NEEDS(MACRO, name) \
+  if (POWDERKEG_TEXT(MACRO)[0] == '1' && !__builtin_cpu_supports(name)) return name
+  POWDERKEG_NEEDS(__SSE4_2__, "sse4.2");
+  POWDERKEG_NEEDS(__POPCNT__, "popcnt");
+  POWDERKEG_NEEDS(__AVX__, "avx");
+  POWDERKEG_NEEDS(__AVX2__, "avx2");
+  POWDERKEG_NEEDS(__FMA__, "fma");
+  POWDERKEG_NEEDS(__BMI__, "bmi");
+  POWDERKEG_NEEDS(__BMI2__, "bmi2");
+  POWDERKEG_NEEDS(__AVX512F__, "avx512f");
+  POWDERKEG_NEEDS(__AVX512BW__, "avx512bw");
+  POWDERKEG_NEEDS(__AVX512DQ__, "avx512dq");
+  POWDERKEG_NEEDS(__AVX512VL__, "avx512vl");
+  POWDERKEG_NEEDS(__AVX512VBMI__, "avx512vbmi");
+  POWDERKEG_NEEDS(__AVX512VNNI__, "avx512vnni");
+  POWDERKEG_NEEDS(__AVX512VPOPCNTDQ__, "avx512vpopcntdq");
+#undef POWDERKEG_NEEDS
+#undef POWDERKEG_TEXT
+#endif
+  return nullptr;
+}
+
+// Before anything else of the program runs, which would end with SIGILL.
+[[gnu::constructor(101)]] void RequireProcessor() {
+  const char* missing = MissingInstructions();
+  if (missing == nullptr) return;
+  std::fprintf(stderr,
+               "%s: this processor has no %s, expected one like that it was built on; build it "
+               "here, or for any with -DPOWDERKEG_NATIVE=OFF\n",
+               program_invocation_short_name, missing);
+  std::_Exit(kFailed);
+}
 
 // Of the first argument that the program does not know.
 std::string NearestOption(const CLI::App& app) {

@@ -1,6 +1,7 @@
 #pragma once
 
-// The frame of a main: what all programs do alike.
+// The frame of a main: what all programs do alike. One that was compiled for another processor ends
+// with one line before its main.
 
 #include <functional>
 #include <optional>

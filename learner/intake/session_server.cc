@@ -292,11 +292,12 @@ std::uint64_t SessionServer::NextReceipt() {
 }
 
 void SessionServer::AnswerRequests() {
-  for (int i = 0; i < kChunksPerRound && !requests_.empty(); ++i) {
+  for (int sent = 0; sent < kChunksPerRound && !requests_.empty();) {
     const auto [id, request] = requests_.front();
     requests_.pop_front();
     const Session* const session = peers_.Find(id);
     if (session == nullptr) continue;
+    ++sent;
     const WeightsReceipt receipt{session->receipt};
     Sent(id, channel_->SendShared(session->peer, weights_.Answer(request)));
     Send(id, receipt);

@@ -25,6 +25,7 @@ bool WeightsDesk::Refresh() {
   if (!published_) return false;
   if (newest_ && newest_->offer.version > 0) past_.Put(newest_->offer.version, newest_);
   newest_ = std::exchange(published_, nullptr);
+  encoded_.clear();
   return true;
 }
 

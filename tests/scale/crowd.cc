@@ -105,7 +105,11 @@ void Crowd::HandleEvents() {
     Actor& actor = actors_[index];
     if (!actor.connection) continue;
     actor.connection->Read([&](std::string_view bytes) { Take(index, bytes); });
-    Flush(index);
+    if (actor.refused) {
+      Disconnect(index, /*hung_up=*/false);  // and says Hello on a fresh connection
+    } else {
+      Flush(index);
+    }
   }
 }
 
@@ -192,6 +196,7 @@ void Crowd::Take(std::size_t index, Actor& actor, const WireMessage& message) {
     actor.receipt = receipt->receipt;
     AskForWeights(actor);
   } else if (const auto* refused = std::get_if<Refused>(&message)) {
+    actor.refused = true;
     ++counts_.refused;
     counts_.last_refusal = refused->reason;
   } else if (std::holds_alternative<Goodbye>(message)) {

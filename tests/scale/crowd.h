@@ -79,6 +79,7 @@ class Crowd {
     std::unique_ptr<ZmtpConnection> connection{};
     bool writes = false;  // whether epoll tells when there is room
     bool welcomed = false;
+    bool refused = false;
     Clock::time_point leaves{};
     Clock::time_point next_heartbeat{};
     std::chrono::milliseconds heartbeat{1000};
