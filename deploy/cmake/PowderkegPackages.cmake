@@ -19,6 +19,8 @@ foreach(component learner actor tools)
       file(CREATE_LINK ../${home}/bin/${program} ${link} SYMBOLIC)
       install(TARGETS ${program} RUNTIME DESTINATION ${home}/bin COMPONENT ${component})
       install(FILES ${link} DESTINATION bin COMPONENT ${component})
+      install(FILES ${CMAKE_SOURCE_DIR}/build/docs/man/man1/powderkeg-${program}.1  # deploy/docs man
+        DESTINATION share/man/man1 COMPONENT ${component} OPTIONAL)
     endif()
   endforeach()
 endforeach()
