@@ -1,5 +1,7 @@
 #include "common/base/processors.h"
 
+#include <sched.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -10,6 +12,13 @@ namespace powderkeg {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Those that the calling thread may run on; all where the system has more than the mask holds.
+int OwnProcessors() {
+  cpu_set_t own;
+  if (sched_getaffinity(0, sizeof own, &own) == 0) return CPU_COUNT(&own);
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
 
 // "QUOTA PERIOD" in microseconds, or "max PERIOD", which leaves it at `processors`.
 int WithinQuota(const fs::path& file, int processors) {
@@ -32,7 +41,7 @@ fs::path OwnGroup(const fs::path& file) {
 }  // namespace
 
 int UsableProcessors(const fs::path& groups, const fs::path& own) {
-  int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  int processors = OwnProcessors();
   fs::path group = groups;
   processors = WithinQuota(group / "cpu.max", processors);
   for (const fs::path& part : OwnGroup(own)) {

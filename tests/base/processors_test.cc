@@ -1,6 +1,7 @@
 #include "common/base/processors.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <fstream>
@@ -38,6 +39,17 @@ TEST_F(UsableProcessorsTest, WithoutAQuotaThereAreAllOfThem) {
   EXPECT_EQ(Usable("4:cpu:/service"), all_);
   Write("service", "nonsense");
   EXPECT_EQ(Usable("0::/service"), all_);
+}
+
+TEST_F(UsableProcessorsTest, ThoseThatItMayNotRunOnDoNotCount) {
+  cpu_set_t before;
+  ASSERT_EQ(sched_getaffinity(0, sizeof before, &before), 0);
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  CPU_SET(sched_getcpu(), &one);
+  ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+  EXPECT_EQ(UsableProcessors("/nowhere", "/nowhere"), 1);
+  ASSERT_EQ(sched_setaffinity(0, sizeof before, &before), 0);
 }
 
 TEST_F(UsableProcessorsTest, TheSmallestQuotaOfTheGroupsAboveHolds) {
