@@ -280,9 +280,12 @@ std::vector<Lessons> LearnerLoop::TakeGames(const TicketRange& range) {
 
 DataSet LearnerLoop::DataSetOf(std::vector<Lessons> games) const {
   DataSet data_set;
+  std::size_t samples = 0;
+  for (const Lessons& game : games) samples += game.samples.size();
+  data_set.samples.reserve(samples);
   for (Lessons& game : games) {
     const DataSet::Part part = PartOf(game.ticket);
-    data_set.Add(std::move(game), part);
+    data_set.Add(std::exchange(game, {}), part);  // its memory is free at once
   }
   return data_set;
 }
