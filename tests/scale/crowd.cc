@@ -175,7 +175,6 @@ void Crowd::Take(std::size_t index, Actor& actor, const WireMessage& message) {
     actor.heartbeat = welcome->heartbeat;
     actor.next_heartbeat = Clock::now() + welcome->heartbeat;
     ++counts_.sessions;
-    ++counts_.welcomed;
     if (welcome_) return;
     welcome_ = *welcome;
     for (int i = 0; i < settings_.players; ++i) {
@@ -231,7 +230,7 @@ void Crowd::AskForWeights(Actor& actor) {
 }
 
 void Crowd::TakeChunk(Actor& actor, const WeightsChunk& chunk) {
-  // What came belongs to earlier weights: from the start.
+  // Otherwise it was asked for before these weights were offered.
   const bool newest = chunk.offer == actor.offer && chunk.offset_bytes == actor.loaded_bytes;
   if (newest) actor.loaded_bytes += chunk.data.size();
   if (!newest || actor.loaded_bytes != actor.offer.size_bytes) return;

@@ -35,8 +35,7 @@ struct CrowdSettings {
 };
 
 struct CrowdCounts {
-  std::size_t sessions = 0;    // now
-  std::uint64_t welcomed = 0;  // sessions that stood
+  std::size_t sessions = 0;  // now
   std::uint64_t refused = 0;
   std::uint64_t hung_up = 0;  // sessions that the learner ended
   std::uint64_t games = 0;    // acknowledged
